@@ -1,0 +1,146 @@
+/* bindings/medium.cpp: refractive index fields and dispersion models. */
+#include "bindings.h"
+
+#include <cstring>
+
+namespace {
+
+cpm_dispersion make_dispersion(const std::string &kind, const std::vector<double> &coefficients, double low,
+                               double high) {
+    cpm_dispersion dispersion{};
+    dispersion.struct_size = sizeof dispersion;
+    if (kind == "constant") dispersion.kind = CPM_DISPERSION_CONSTANT;
+    else if (kind == "cauchy") dispersion.kind = CPM_DISPERSION_CAUCHY;
+    else if (kind == "sellmeier") dispersion.kind = CPM_DISPERSION_SELLMEIER;
+    else if (kind == "tabulated") dispersion.kind = CPM_DISPERSION_TABULATED;
+    else throw py::value_error("dispersion kind is '" + kind + "'");
+    if (coefficients.size() > CPM_DISPERSION_MAX_COEFFICIENTS)
+        throw py::value_error("a dispersion has " + std::to_string(coefficients.size()) + " numbers; at most " +
+                              std::to_string(CPM_DISPERSION_MAX_COEFFICIENTS) + " are allowed");
+    dispersion.count = static_cast<int32_t>(coefficients.size());
+    std::copy(coefficients.begin(), coefficients.end(), dispersion.coefficients);
+    dispersion.low = low;
+    dispersion.high = high;
+    return dispersion;
+}
+
+/* Makes a medium by one of the creators, whose last argument is the handle. */
+template <class Create>
+std::shared_ptr<Medium> make_medium(Create &&create) {
+    Context context;
+    auto medium = std::make_shared<Medium>();
+    context.check(create(context.get(), medium->handle.out()));
+    return medium;
+}
+
+std::shared_ptr<Medium> make_layered(const Doubles &heights, const Doubles &n, const Point &up, const Point &origin,
+                                     int32_t interpolation, const cpm_dispersion *dispersion) {
+    cpm_layered_desc desc{};
+    desc.struct_size = sizeof desc;
+    desc.heights = heights.data();
+    desc.n = n.data();
+    desc.count = static_cast<size_t>(n.size());
+    std::copy(up.begin(), up.end(), desc.up);
+    std::copy(origin.begin(), origin.end(), desc.origin);
+    desc.interpolation = interpolation;
+    return make_medium([&](cpm_context *context, cpm_medium **medium) {
+        return cpm_medium_create_layered(context, &desc, dispersion, medium);
+    });
+}
+
+/* The samples are read where they are, whatever their strides. */
+std::shared_ptr<Medium> make_grid(const py::array_t<double, py::array::forcecast> &values, const Point &origin,
+                                  const Point &spacing, int32_t interpolation, const cpm_dispersion *dispersion) {
+    cpm_grid_desc desc{};
+    desc.struct_size = sizeof desc;
+    desc.values = values.data();
+    for (int axis = 0; axis < 3; axis++) {
+        desc.size[axis] = static_cast<size_t>(values.shape(axis));
+        desc.stride[axis] = values.strides(axis);
+    }
+    std::copy(origin.begin(), origin.end(), desc.origin);
+    std::copy(spacing.begin(), spacing.end(), desc.spacing);
+    desc.interpolation = interpolation;
+    return make_medium([&](cpm_context *context, cpm_medium **medium) {
+        return cpm_medium_create_grid(context, &desc, dispersion, medium);
+    });
+}
+
+py::tuple evaluate(const Medium &medium, const Doubles &points, double wavelength) {
+    Context context;
+    const auto count = points.shape(0);
+    py::array_t<double> n(count);
+    py::array_t<double> gradient({count, py::ssize_t{3}});
+    context.check(cpm_medium_evaluate(context.get(), medium.handle.get(), points.data(), static_cast<size_t>(count),
+                                      wavelength, n.mutable_data(), gradient.mutable_data()));
+    return py::make_tuple(n, gradient);
+}
+
+/* n of a dispersion alone: the index of a medium that is nothing else. */
+py::array_t<double> dispersion_n(const cpm_dispersion &dispersion, const Doubles &wavelengths) {
+    const auto medium = make_medium([&](cpm_context *context, cpm_medium **out) {
+        return cpm_medium_create_dispersive(context, &dispersion, out);
+    });
+    Context context;
+    const double point[3] = {0.0, 0.0, 0.0};
+    py::array_t<double> n(wavelengths.size());
+    for (py::ssize_t i = 0; i < wavelengths.size(); i++)
+        context.check(cpm_medium_evaluate(context.get(), medium->handle.get(), point, 1, wavelengths.data()[i],
+                                          n.mutable_data(i), nullptr));
+    return n;
+}
+
+} // namespace
+
+void bind_medium(py::module_ &module) {
+    using py::arg;
+    py::class_<cpm_dispersion>(module, "Dispersion")
+        .def(py::init(&make_dispersion), arg("kind"), arg("coefficients"), arg("low"), arg("high"))
+        .def("n", &dispersion_n, arg("wavelengths"));
+
+    py::class_<Medium, std::shared_ptr<Medium>>(module, "Medium")
+        .def("evaluate", &evaluate, arg("points"), arg("wavelength"));
+
+    module.attr("INTERPOLATION") =
+        py::dict(arg("linear") = int{CPM_INTERPOLATION_LINEAR}, arg("cubic") = int{CPM_INTERPOLATION_CUBIC},
+                 arg("step") = int{CPM_INTERPOLATION_STEP});
+    module.attr("INTERPOLATION")["linear-squared"] = int{CPM_INTERPOLATION_LINEAR_SQUARED};
+
+    module.def(
+        "homogeneous",
+        [](double n, const cpm_dispersion *dispersion) {
+            return make_medium([&](cpm_context *context, cpm_medium **medium) {
+                return cpm_medium_create_homogeneous(context, n, dispersion, medium);
+            });
+        },
+        arg("n"), arg("dispersion").none(true));
+    module.def(
+        "dispersive",
+        [](const cpm_dispersion &dispersion) {
+            return make_medium([&](cpm_context *context, cpm_medium **medium) {
+                return cpm_medium_create_dispersive(context, &dispersion, medium);
+            });
+        },
+        arg("dispersion"));
+    module.def(
+        "linear_squared",
+        [](double n_squared, const Point &gradient, const Point &origin, const cpm_dispersion *dispersion) {
+            return make_medium([&](cpm_context *context, cpm_medium **medium) {
+                return cpm_medium_create_linear_squared(context, n_squared, gradient.data(), origin.data(), dispersion,
+                                                        medium);
+            });
+        },
+        arg("n_squared"), arg("gradient"), arg("origin"), arg("dispersion").none(true));
+    module.def(
+        "linear",
+        [](double n, const Point &gradient, const Point &origin, const cpm_dispersion *dispersion) {
+            return make_medium([&](cpm_context *context, cpm_medium **medium) {
+                return cpm_medium_create_linear(context, n, gradient.data(), origin.data(), dispersion, medium);
+            });
+        },
+        arg("n"), arg("gradient"), arg("origin"), arg("dispersion").none(true));
+    module.def("layered", &make_layered, arg("heights"), arg("n"), arg("up"), arg("origin"), arg("interpolation"),
+               arg("dispersion").none(true));
+    module.def("grid", &make_grid, arg("values"), arg("origin"), arg("spacing"), arg("interpolation"),
+               arg("dispersion").none(true));
+}

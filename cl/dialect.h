@@ -1,0 +1,310 @@
+/* dialect.h: every difference between C11 (gcc, clang) and OpenCL C 1.2, and nothing else.
+ *
+ * A `real` is CPM_WIDTH rays, one a lane; a `mask` is as many signed integers of the same size, 0 or -1 where it stands
+ * for a truth. With CPM_WIDTH 1 (the default) both are plain scalars, so that one source serves packets and single
+ * rays. CPM_SINGLE 1 makes lanes of float. Both sides give the same results to the last bit, provided that C is compiled
+ * with -ffp-contract=off and no fast-math, and OpenCL with -cl-fp32-correctly-rounded-divide-sqrt where it is single.
+ *
+ * Where lanes need what a vector cannot do (a look-up by a per-lane index), the loop over lanes is here. */
+#ifndef CPM_DIALECT_H
+#define CPM_DIALECT_H
+#ifndef CPM_WIDTH
+#define CPM_WIDTH 1
+#endif
+#ifndef CPM_SINGLE
+#define CPM_SINGLE 0
+#endif
+#define CPM_GLUE2(a, b) a##b
+#define CPM_GLUE(a, b) CPM_GLUE2(a, b)
+#if CPM_SINGLE
+#define CPM_SCALAR float
+#else
+#define CPM_SCALAR double
+#endif
+
+#ifdef __OPENCL_VERSION__ /* ---------------------------------------------------------------------------- OpenCL C */
+#pragma OPENCL FP_CONTRACT OFF
+#pragma OPENCL EXTENSION cl_khr_fp64 : enable
+#define CPM_GLOBAL __global
+#define CPM_CONSTANT_TABLE __constant
+typedef uint cpm_u32;
+typedef ulong cpm_u64;
+typedef int cpm_i32;
+typedef long cpm_i64;
+#define CPM_U64(x) x##UL
+#if CPM_SINGLE
+#define CPM_INTEGER int
+#else
+#define CPM_INTEGER long
+#endif
+#define CPM_STATIC_ASSERT(condition, name) typedef char name[(condition) ? 1 : -1]
+#ifdef __clang__
+#define CPM_ASSERT_OFFSET(type, member, value) CPM_STATIC_ASSERT(__builtin_offsetof(type, member) == (value), type##_##member)
+#else /* no constant offset in OpenCL C itself: sizes are checked, offsets by the host */
+#define CPM_ASSERT_OFFSET(type, member, value)
+#endif
+#define cpm_bits_of(x) as_ulong(x)      /* double <-> its 64 bits */
+#define cpm_double_of(x) as_double(x)
+#define cpm_sqrt(x) sqrt((double)(x))   /* of one double */
+#define CPM_CLEAR(x) for (size_t clear_ = 0; clear_ < sizeof(x); clear_++) ((uchar *)&(x))[clear_] = 0
+
+#else /* ------------------------------------------------------------------------------------------------------ C11 */
+#include <math.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+#define CPM_GLOBAL
+#define CPM_CONSTANT_TABLE static const
+typedef uint32_t cpm_u32;
+typedef uint64_t cpm_u64;
+typedef int32_t cpm_i32;
+typedef int64_t cpm_i64;
+#define CPM_U64(x) UINT64_C(x)
+#if CPM_SINGLE
+#define CPM_INTEGER int32_t
+#else
+#define CPM_INTEGER int64_t
+#endif
+#define CPM_STATIC_ASSERT(condition, name) _Static_assert(condition, #name)
+#define CPM_ASSERT_OFFSET(type, member, value) _Static_assert(offsetof(type, member) == (value), #member)
+static inline cpm_u64 cpm_bits_of(double x) {
+    cpm_u64 bits;
+    memcpy(&bits, &x, sizeof bits);
+    return bits;
+}
+static inline double cpm_double_of(cpm_u64 bits) {
+    double x;
+    memcpy(&x, &bits, sizeof x);
+    return x;
+}
+#define cpm_sqrt(x) sqrt((double)(x))
+#define CPM_CLEAR(x) memset(&(x), 0, sizeof(x))
+#endif /* ------------------------------------------------------------------------------------------------ both sides */
+
+#define CPM_INLINE static inline
+typedef CPM_SCALAR scalar;
+typedef CPM_INTEGER integer;
+#define R(x) ((scalar)(x)) /* every literal of lane arithmetic: no silent double */
+
+#if CPM_WIDTH == 1 /* ------------------------------------------------------------------------- one ray: plain scalars */
+typedef scalar real;
+typedef integer mask;
+#define CPM_BOOL(c) (-(mask)(c)) /* scalars compare to 0 or 1, vectors to 0 or -1 */
+#define pick(m, a, b) ((m) ? (a) : (b))
+#define any_lane(m) ((m) != 0)
+#define splat(s) ((real)(s))
+#define splat_mask(i) ((mask)(i))
+#define root(x) CPM_ROOT(x)
+#define to_integers(x) ((mask)(x))
+#define to_reals(m) ((real)(m))
+#define load_lanes(p, i) ((p)[i])
+#define store_lanes(v, p, i) ((p)[i] = (v))
+#define lane_of(v, i) (v)
+#ifdef __OPENCL_VERSION__
+#define CPM_ROOT(x) sqrt((scalar)(x))
+#else
+#define CPM_ROOT(x) ((scalar)(CPM_SINGLE ? (scalar)sqrtf((float)(x)) : (scalar)sqrt((double)(x))))
+#endif
+
+#elif defined(__OPENCL_VERSION__) /* ----------------------------------------------------------- OpenCL C vector types */
+typedef CPM_GLUE(CPM_SCALAR, CPM_WIDTH) real;
+typedef CPM_GLUE(CPM_INTEGER, CPM_WIDTH) mask;
+#define CPM_BOOL(c) (c)
+#define pick(m, a, b) select(b, a, m) /* top bit set: a */
+#define any_lane(m) any(m)
+#define splat(s) ((real)((scalar)(s)))
+#define splat_mask(i) ((mask)((integer)(i)))
+#define root(x) sqrt(x)
+#define to_integers(x) CPM_GLUE(convert_, CPM_GLUE(CPM_INTEGER, CPM_WIDTH))(x)
+#define to_reals(m) CPM_GLUE(convert_, CPM_GLUE(CPM_SCALAR, CPM_WIDTH))(m)
+#define load_lanes(p, i) CPM_GLUE(vload, CPM_WIDTH)(i, p)
+#define store_lanes(v, p, i) CPM_GLUE(vstore, CPM_WIDTH)(v, i, p)
+
+#else /* ----------------------------------------------------------------------------------------------- GNU vectors */
+typedef scalar real __attribute__((vector_size(CPM_WIDTH * sizeof(scalar))));
+typedef integer mask __attribute__((vector_size(CPM_WIDTH * sizeof(scalar))));
+#define CPM_BOOL(c) (c)
+#define splat(s) ((scalar)(s) - (real){0}) /* "-": keeps -0.0 */
+#define splat_mask(i) ((integer)(i) + (mask){0})
+#define pick(m, a, b) ((real)(((mask)(a) & (m)) | ((mask)(b) & ~(m))))
+#define to_integers(x) __builtin_convertvector(x, mask)
+#define to_reals(m) __builtin_convertvector(m, real)
+#define lane_of(v, i) ((v)[i])
+static inline int any_lane(mask m) {
+    integer any = 0;
+    for (int i = 0; i < CPM_WIDTH; i++) any |= m[i];
+    return any != 0;
+}
+static inline real root(real x) { /* -fno-math-errno makes it one vector instruction */
+    for (int i = 0; i < CPM_WIDTH; i++) x[i] = CPM_SINGLE ? (scalar)sqrtf((float)x[i]) : (scalar)sqrt((double)x[i]);
+    return x;
+}
+static inline real load_lanes(const scalar *p, size_t i) {
+    real v;
+    memcpy(&v, p + i * CPM_WIDTH, sizeof v);
+    return v;
+}
+static inline void store_lanes(real v, scalar *p, size_t i) { memcpy(p + i * CPM_WIDTH, &v, sizeof v); }
+#endif /* ------------------------------------------------------------------------------------------------ both sides */
+
+#define less(a, b) CPM_BOOL((a) < (b))
+#define at_most(a, b) CPM_BOOL((a) <= (b))
+#define equal(a, b) CPM_BOOL((a) == (b))
+#define smaller(a, b) pick(less(a, b), a, b) /* b where either is NaN */
+#define larger(a, b) pick(less(a, b), b, a)  /* a where either is NaN */
+#define magnitude(x) larger(x, -(x))
+#define pick_mask(m, a, b) (((a) & (m)) | ((b) & ~(m)))
+
+/* Three lanes: a vector in space for each ray. */
+typedef struct {
+    real x, y, z;
+} real3;
+CPM_INLINE real3 triple(real x, real y, real z) {
+    real3 v;
+    v.x = x, v.y = y, v.z = z;
+    return v;
+}
+CPM_INLINE real3 add3(real3 a, real s, real3 b) { /* a + s b */
+    a.x += s * b.x, a.y += s * b.y, a.z += s * b.z;
+    return a;
+}
+CPM_INLINE real3 sub3(real3 a, real3 b) {
+    a.x -= b.x, a.y -= b.y, a.z -= b.z;
+    return a;
+}
+CPM_INLINE real3 scale3(real s, real3 a) {
+    a.x *= s, a.y *= s, a.z *= s;
+    return a;
+}
+CPM_INLINE real dot3(real3 a, real3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+CPM_INLINE real3 pick3(mask m, real3 a, real3 b) {
+    return triple(pick(m, a.x, b.x), pick(m, a.y, b.y), pick(m, a.z, b.z));
+}
+
+/* floor of |x| < 2^51 (2^22 single) by the rounding of an addition: no library call at baseline x86-64. */
+CPM_INLINE real floor_lanes(real x) {
+    const scalar magic = CPM_SINGLE ? R(12582912.0) : R(6755399441055744.0); /* 1.5 x 2^23, 1.5 x 2^52 */
+    real nearest = (x + magic) - magic;
+    return nearest - pick(less(x, nearest), splat(1.0), splat(0.0));
+}
+
+/* table[index] for each lane; four neighbours table[index..index + 3] for each lane. Tables are doubles always. */
+#if CPM_WIDTH == 1
+CPM_INLINE real fetch(CPM_GLOBAL const double *table, mask index) { return (real)table[index]; }
+CPM_INLINE void fetch4(CPM_GLOBAL const double *table, mask index, real *out) {
+    for (int k = 0; k < 4; k++) out[k] = (real)table[index + k];
+}
+#elif defined(__OPENCL_VERSION__)
+CPM_INLINE real fetch(CPM_GLOBAL const double *table, mask index) { /* vstore, loop, vload: 4 x a lane by pointer */
+    integer at[CPM_WIDTH];
+    scalar value[CPM_WIDTH];
+    CPM_GLUE(vstore, CPM_WIDTH)(index, 0, at);
+#pragma unroll
+    for (int i = 0; i < CPM_WIDTH; i++) value[i] = (scalar)table[at[i]];
+    return CPM_GLUE(vload, CPM_WIDTH)(0, value);
+}
+CPM_INLINE void fetch4(CPM_GLOBAL const double *table, mask index, real *out) {
+    integer at[CPM_WIDTH];
+    scalar value[4 * CPM_WIDTH];
+    CPM_GLUE(vstore, CPM_WIDTH)(index, 0, at);
+#pragma unroll
+    for (int i = 0; i < CPM_WIDTH; i++)
+#pragma unroll
+        for (int k = 0; k < 4; k++) value[k * CPM_WIDTH + i] = (scalar)table[at[i] + k];
+#pragma unroll
+    for (int k = 0; k < 4; k++) out[k] = CPM_GLUE(vload, CPM_WIDTH)(k, value);
+}
+#else
+CPM_INLINE real fetch(const double *table, mask index) {
+    real v = splat(0.0);
+    for (int i = 0; i < CPM_WIDTH; i++) v[i] = (scalar)table[index[i]];
+    return v;
+}
+/* Rows of four by lane, transposed in registers: lanes 2k and 2k + 1, then pairs of pairs. */
+typedef double cpm_row4 __attribute__((vector_size(32)));
+CPM_INLINE cpm_row4 cpm_row_at(const double *p) {
+    cpm_row4 row;
+    memcpy(&row, p, sizeof row);
+    return row;
+}
+#if CPM_WIDTH == 2
+CPM_INLINE void fetch4(const double *table, mask index, real *out) {
+    cpm_row4 a = cpm_row_at(table + index[0]), b = cpm_row_at(table + index[1]);
+    for (int k = 0; k < 4; k++) out[k] = (real){(scalar)a[k], (scalar)b[k]};
+}
+#else
+CPM_INLINE void cpm_transpose4(const double *table, mask index, int first, cpm_row4 out[4]) {
+    cpm_row4 a = cpm_row_at(table + index[first]), b = cpm_row_at(table + index[first + 1]);
+    cpm_row4 c = cpm_row_at(table + index[first + 2]), d = cpm_row_at(table + index[first + 3]);
+    cpm_row4 even_ab = __builtin_shufflevector(a, b, 0, 4, 2, 6), odd_ab = __builtin_shufflevector(a, b, 1, 5, 3, 7);
+    cpm_row4 even_cd = __builtin_shufflevector(c, d, 0, 4, 2, 6), odd_cd = __builtin_shufflevector(c, d, 1, 5, 3, 7);
+    out[0] = __builtin_shufflevector(even_ab, even_cd, 0, 1, 4, 5);
+    out[1] = __builtin_shufflevector(odd_ab, odd_cd, 0, 1, 4, 5);
+    out[2] = __builtin_shufflevector(even_ab, even_cd, 2, 3, 6, 7);
+    out[3] = __builtin_shufflevector(odd_ab, odd_cd, 2, 3, 6, 7);
+}
+CPM_INLINE void fetch4(const double *table, mask index, real *out) {
+    cpm_row4 low[4];
+    cpm_transpose4(table, index, 0, low);
+#if CPM_WIDTH == 4
+    for (int k = 0; k < 4; k++) out[k] = __builtin_convertvector(low[k], real);
+#else
+    cpm_row4 high[4];
+    cpm_transpose4(table, index, 4, high);
+    for (int k = 0; k < 4; k++)
+        out[k] = __builtin_convertvector(__builtin_shufflevector(low[k], high[k], 0, 1, 2, 3, 4, 5, 6, 7), real);
+#endif
+}
+#endif
+#endif
+
+/* Lanes in memory that is the same for every width and precision: doubles and 64-bit flags, part by part. */
+#if CPM_WIDTH == 1
+CPM_INLINE real load_doubles(const double *p, int part) { return (real)p[part]; }
+CPM_INLINE void store_doubles(real v, double *p, int part) { p[part] = (double)v; }
+CPM_INLINE mask load_flags(const cpm_i64 *p, int part) { return (mask)p[part]; }
+CPM_INLINE void store_flags(mask v, cpm_i64 *p, int part) { p[part] = (cpm_i64)v; }
+#elif defined(__OPENCL_VERSION__)
+CPM_INLINE real load_doubles(const double *p, int part) {
+    return CPM_GLUE(convert_, CPM_GLUE(CPM_SCALAR, CPM_WIDTH))(CPM_GLUE(vload, CPM_WIDTH)(part, p));
+}
+CPM_INLINE void store_doubles(real v, double *p, int part) {
+    CPM_GLUE(vstore, CPM_WIDTH)(CPM_GLUE(convert_double, CPM_WIDTH)(v), part, p);
+}
+CPM_INLINE mask load_flags(const cpm_i64 *p, int part) {
+    return CPM_GLUE(convert_, CPM_GLUE(CPM_INTEGER, CPM_WIDTH))(CPM_GLUE(vload, CPM_WIDTH)(part, p));
+}
+CPM_INLINE void store_flags(mask v, cpm_i64 *p, int part) {
+    CPM_GLUE(vstore, CPM_WIDTH)(CPM_GLUE(convert_long, CPM_WIDTH)(v), part, p);
+}
+#else
+typedef double cpm_doubles __attribute__((vector_size(CPM_WIDTH * 8)));
+typedef cpm_i64 cpm_flags __attribute__((vector_size(CPM_WIDTH * 8)));
+CPM_INLINE real load_doubles(const double *p, int part) {
+    cpm_doubles v;
+    memcpy(&v, p + part * CPM_WIDTH, sizeof v);
+    return __builtin_convertvector(v, real);
+}
+CPM_INLINE void store_doubles(real v, double *p, int part) {
+    cpm_doubles d = __builtin_convertvector(v, cpm_doubles);
+    memcpy(p + part * CPM_WIDTH, &d, sizeof d);
+}
+CPM_INLINE mask load_flags(const cpm_i64 *p, int part) {
+    cpm_flags v;
+    memcpy(&v, p + part * CPM_WIDTH, sizeof v);
+    return __builtin_convertvector(v, mask);
+}
+CPM_INLINE void store_flags(mask v, cpm_i64 *p, int part) {
+    cpm_flags d = __builtin_convertvector(v, cpm_flags);
+    memcpy(p + part * CPM_WIDTH, &d, sizeof d);
+}
+#endif
+CPM_INLINE real3 load3_doubles(double (*p)[8], int part) {
+    return triple(load_doubles(p[0], part), load_doubles(p[1], part), load_doubles(p[2], part));
+}
+CPM_INLINE void store3_doubles(real3 v, double (*p)[8], int part) {
+    store_doubles(v.x, p[0], part);
+    store_doubles(v.y, p[1], part);
+    store_doubles(v.z, p[2], part);
+}
+#endif

@@ -1,0 +1,261 @@
+/* shared/step.h: one attempted step of eight rays, accepted or refused lane by lane.
+ *
+ * Acceptance (adaptive methods). Position error per unit length: the embedded error of a step of length d is at most
+ * L (rtol d + atol d/expected), so that errors add up to rtol x length + atol; direction error of a step at most L rtol.
+ * Never relative to |r|. L: dopri5 keeps the fifth-order result while the estimate is the fourth's, larger by a factor
+ * that grows as rtol^(-1/8) (measured on smooth fields, 1e-3 to 1e-12); L = 0.56 rtol^(-1/8) takes that back. euler: 1.
+ *
+ * Where the field has kinks or thin layers both estimates are blind, but | |p| - n |/n, whose growth in a step is a true
+ * error of momentum along p, is not. An error in the direction of the force, at an angle a to p, shows in it times cos a:
+ * a step is refused when it grows by more than 0.3 rtol cos a (cos a >= 0.03), far below the 10 rtol that would only
+ * tell that a layer was stepped over. And when n^2 <= 0 was met at any stage the step is cut to a quarter.
+ *
+ * The next step follows the worst of the three ratios E by a PI controller whose powers need square roots only:
+ * E grows as h^4 (dopri5): h E^(-3/16) E_before^(1/16); as h (euler): h E^(-3/4) E_before^(1/4). Gustafsson 1991.
+ *
+ * A ray ends by status: evaluations exhausted, no step small enough (64 refusals running, or a step that moves nothing),
+ * cut-off: n below 1e-6 of its start, or a turn back through p = 0 (normal incidence on n = 0), left: 1e100 m gone. */
+#ifndef CPM_SHARED_STEP_H
+#define CPM_SHARED_STEP_H
+#include "../types/lanes.h"
+#include "../types/ray.h"
+#include "step_dopri5.h"
+#include "step_euler.h"
+#include "step_rk4.h"
+
+#define CPM_EPSILON (CPM_SINGLE ? 1.2e-7 : 2.3e-16)
+#define CPM_FAR (CPM_SINGLE ? 1e15 : 1e100)    /* metres */
+#define CPM_CUTOFF 1e-6                        /* of n at the start */
+#define CPM_MAX_REFUSED 64
+#define CPM_PARTS (CPM_LANES / CPM_WIDTH)
+#define CPM_INFINITE (CPM_SINGLE ? 1e38 : 1e300) /* stands for infinity in h, limit, target: no NaN from arithmetic */
+
+CPM_INLINE double cpm_step_cost(const cpm_step_control *c) { /* evaluations an attempt */
+    return c->method == CPM_STEP_EULER ? 2.0 : c->method == CPM_STEP_RK4 ? 4.0 : 6.0;
+}
+
+/* What follows from rtol and the method. */
+CPM_INLINE void cpm_step_control_set(cpm_step_control *c) {
+    double quarter = cpm_sqrt(cpm_sqrt(c->rtol));
+    c->lenient = c->method == CPM_STEP_EULER ? 1.0 : 0.56 / cpm_sqrt(quarter);
+    if (c->lenient < 1.0) c->lenient = 1.0;
+    c->first = c->method == CPM_STEP_EULER ? 3.0 * c->rtol : 4.5 * quarter;
+}
+
+/* Sigma of the first step, from the curvature's radius n^2/|g| and the length over which the field changes. */
+CPM_INLINE real cpm_first_step(const cpm_step_control *c, const cpm_medium_data *m, const cpm_point *a, real expected) {
+    if (c->step > 0.0) return R(c->step) / a->n;
+    real bend = root(dot3(a->g, a->g)) / (a->n * a->n);
+    real metres;
+    if (c->method == CPM_STEP_EULER) metres = splat(c->first) / (bend + R(1e-30));
+    else metres = splat(c->first) / (bend + R(1.0 / m->feature) + R(1e-30));
+    real most = pick(less(splat(0.0), expected), expected, splat(CPM_FAR));
+    return smaller(metres, most) / a->n;
+}
+
+/* Fills what a fresh lane needs: its first evaluation and first step. */
+CPM_INLINE void cpm_lanes_begin(const cpm_step_control *c, const cpm_medium_data *m, CPM_GLOBAL const double *table,
+                                cpm_lane_rays *rays, const cpm_i64 *fresh) {
+    for (int part = 0; part < CPM_PARTS; part++) {
+        mask new_ray = ~equal(load_flags(fresh, part), splat_mask(0));
+        if (!any_lane(new_ray)) continue;
+        const real zero = splat(0.0);
+        cpm_point a;
+        a.r = load3_doubles(rays->r, part), a.p = load3_doubles(rays->p, part);
+        a.scale = load_doubles(rays->scale, part);
+        a.g = cpm_field(m, table, a.r, a.scale, &a.n);
+        mask good = less(zero, a.n);
+        real size = dot3(a.p, a.p);
+        a.p = pick3(new_ray & good & less(zero, size), scale3(a.n / root(size), a.p), a.p);
+        real h = load_doubles(rays->h, part), expected = load_doubles(rays->expected, part);
+        h = pick(less(zero, h), h, cpm_first_step(c, m, &a, expected));
+#define CPM_FRESH(field, value) \
+    store_doubles(pick(new_ray, value, load_doubles(rays->field, part)), rays->field, part)
+        store3_doubles(a.p, rays->p, part);
+        store3_doubles(pick3(new_ray, a.g, load3_doubles(rays->g, part)), rays->g, part);
+        CPM_FRESH(n, pick(good, a.n, zero));
+        CPM_FRESH(n_start, a.n);
+        CPM_FRESH(h, h);
+        CPM_FRESH(limit, splat(CPM_INFINITE));
+        CPM_FRESH(target, splat(CPM_INFINITE));
+        CPM_FRESH(evaluations, splat(1.0));
+        CPM_FRESH(steps, zero);
+        CPM_FRESH(rejected, zero);
+        CPM_FRESH(drift, zero);
+        CPM_FRESH(drift_now, zero);
+        CPM_FRESH(error, zero);
+        CPM_FRESH(error_turn, zero);
+        CPM_FRESH(previous, splat(1.0));
+        CPM_FRESH(refused, zero);
+#undef CPM_FRESH
+        mask status = pick_mask(good, splat_mask(CPM_ENDED_GOING), splat_mask(CPM_ENDED_CUTOFF));
+        store_flags(pick_mask(new_ray, status, load_flags(rays->status, part)), rays->status, part);
+        store_flags(load_flags(rays->accepted, part) & ~new_ray, rays->accepted, part);
+    }
+}
+
+/* The sigma that brings the ray to its target length, to second order (l' = n, l'' = g . p/n). */
+CPM_INLINE real cpm_aim(const cpm_point *a, real remaining) {
+    real bent = a->n * a->n + R(2.0) * (dot3(a->g, a->p) / a->n) * remaining;
+    real direct = remaining / a->n;
+    real aim = R(2.0) * remaining / (a->n + root(larger(bent, splat(0.0))));
+    return pick(less(remaining, splat(1e-3 * CPM_INFINITE)), smaller(aim, R(2.0) * direct), splat(CPM_INFINITE));
+}
+
+/* The least |p|^2 on the chord from p to q, and where (0..1): a turn back through p = 0 shows there. */
+CPM_INLINE real cpm_least_momentum(real3 p, real3 q, real *where) {
+    real3 d = sub3(q, p);
+    real t = -dot3(p, d) / (dot3(d, d) + R(1e-30));
+    t = larger(smaller(t, splat(1.0)), splat(0.0));
+    real3 least = add3(p, t, d);
+    *where = t;
+    return dot3(least, least);
+}
+
+/* The factor to the next step for an accepted or refused ratio E of error to tolerance. */
+CPM_INLINE real cpm_step_factor(const cpm_step_control *c, real ratio, real before, mask accepted, mask again) {
+    real e = larger(ratio, splat(1e-8)), second = root(e), quarter = root(second), keep, shrink;
+    if (c->method == CPM_STEP_EULER) {
+        keep = R(0.9) * root(root(before)) / (second * quarter);
+        shrink = R(0.9) / e;
+    } else {
+        real eighth = root(quarter);
+        keep = R(0.9) * root(root(root(root(before)))) / (eighth * root(eighth));
+        shrink = R(0.9) / quarter;
+    }
+    keep = larger(smaller(keep, pick(again, splat(1.0), splat(5.0))), splat(0.2));
+    shrink = larger(smaller(shrink, splat(0.9)), splat(0.1));
+    return pick(accepted, keep, shrink);
+}
+
+CPM_INLINE void cpm_lanes_attempt_part(const cpm_step_control *c, const cpm_medium_data *m,
+                                       CPM_GLOBAL const double *table, cpm_lane_rays *rays, int part) {
+    const real zero = splat(0.0), one = splat(1.0);
+    mask status = load_flags(rays->status, part), going = less(status, splat_mask(0));
+    store_flags(splat_mask(0), rays->accepted, part);
+    if (!any_lane(going)) return;
+    real evaluations = load_doubles(rays->evaluations, part);
+    mask spent = going & less(splat(c->max_evaluations - cpm_step_cost(c)), evaluations);
+    status = pick_mask(spent, splat_mask(CPM_ENDED_EXHAUSTED), status);
+    going &= ~spent;
+
+    cpm_point a;
+    a.r = load3_doubles(rays->r, part), a.p = load3_doubles(rays->p, part), a.g = load3_doubles(rays->g, part);
+    a.n = load_doubles(rays->n, part), a.scale = load_doubles(rays->scale, part);
+    const real length = load_doubles(rays->length, part), own = load_doubles(rays->h, part);
+    real bound = smaller(load_doubles(rays->limit, part), cpm_aim(&a, load_doubles(rays->target, part) - length));
+    bound = smaller(bound, R(c->max_step) / a.n);
+    const real h = smaller(own, bound);
+
+    cpm_trial t;
+    if (c->method == CPM_STEP_EULER) t = cpm_step_euler(m, table, &a, h);
+    else if (c->method == CPM_STEP_RK4) t = cpm_step_rk4(m, table, &a, h);
+    else t = cpm_step_dopri5(m, table, &a, h);
+
+    /* How good is it? */
+    const real n_start = load_doubles(rays->n_start, part), floor_n = R(CPM_CUTOFF) * n_start;
+    const real expected = load_doubles(rays->expected, part), rtol = splat(c->rtol);
+    real where;
+    mask turned = less(cpm_least_momentum(a.p, t.end.p, &where), floor_n * floor_n);
+    real way_error = pick(turned, zero, t.error_way); /* |p| has a kink there, n's quadrature is meaningless */
+    real off = root(t.error_position * t.error_position + way_error * way_error);
+    real turn = t.error_momentum / t.end.n;
+    real share = pick(less(zero, expected), smaller(t.way / larger(expected, splat(1e-30)), one), splat(0.1));
+    real drift = magnitude(root(dot3(t.end.p, t.end.p)) - t.end.n) / t.end.n;
+    real growth = drift - load_doubles(rays->drift_now, part);
+    real square = t.end.n * t.end.n;
+    real far = magnitude(t.end.r.x) + magnitude(t.end.r.y) + magnitude(t.end.r.z);
+    real steep = magnitude(t.end.g.x) + magnitude(t.end.g.y) + magnitude(t.end.g.z);
+    real noise = R(4.0 * CPM_EPSILON) * (one + (larger(n_start * n_start, one) + far * steep) / square);
+    real ratio = larger(off / (rtol * t.way + R(c->atol) * share), turn / rtol) * R(1.0 / c->lenient);
+    real3 push = sub3(t.end.p, a.p);
+    real slant = magnitude(dot3(push, t.end.p)) / (root(dot3(push, push) * dot3(t.end.p, t.end.p)) + R(1e-30));
+    ratio = larger(ratio, pick(turned, zero, growth / (R(0.3) * rtol * larger(slant, splat(0.03)) + noise)));
+    mask usable = t.good & less(zero, t.way) & less(far, splat(CPM_FAR)) & at_most(magnitude(drift), splat(1e30));
+    usable |= t.good & turned & less(far, splat(CPM_FAR));
+    ratio = pick(usable & at_most(ratio, splat(1e12)), ratio, splat(1e12));
+    mask fixed = c->step > 0.0 ? ~splat_mask(0) : splat_mask(0);
+    mask accepted = going & usable & (fixed | at_most(ratio, one));
+
+    /* The next step. */
+    mask again = less(zero, load_doubles(rays->refused, part));
+    real next = h * cpm_step_factor(c, ratio, load_doubles(rays->previous, part), accepted, again);
+    next = pick(accepted & less(h, own), larger(next, own), next);
+    next = pick(usable, next, R(0.25) * h);
+    next = pick(fixed & usable, R(c->step) / n_start, next);
+    store_doubles(pick(going, next, own), rays->h, part);
+    store_doubles(pick(accepted, larger(ratio, splat(1e-4)), load_doubles(rays->previous, part)), rays->previous, part);
+
+    /* A turn back through p = 0 ends there: along the parabola of the start's g. */
+    mask cut = accepted & (turned | less(t.end.n, floor_n));
+    mask backward = cut & turned;
+    real piece_h = pick(backward, where * h, h);
+    if (any_lane(backward)) {
+        real3 r = add3(add3(a.r, piece_h, a.p), R(0.5) * piece_h * piece_h, a.g);
+        real3 went = sub3(r, a.r);
+        t.end.r = pick3(backward, r, t.end.r);
+        t.end.p = pick3(backward, add3(a.p, where, sub3(t.end.p, a.p)), t.end.p);
+        t.end.g = pick3(backward, add3(a.g, where, sub3(t.end.g, a.g)), t.end.g);
+        t.end.n = pick(backward, root(dot3(t.end.p, t.end.p)), t.end.n);
+        t.way = pick(backward, root(dot3(went, went)), t.way);
+        t.path = pick(backward, a.n * t.way * R(1.0 / 2.0), t.path);
+        drift = pick(backward, zero, drift);
+    }
+
+    /* Keep what was accepted, and the piece. */
+    store3_doubles(pick3(accepted, a.r, load3_doubles(rays->r0, part)), rays->r0, part);
+    store3_doubles(pick3(accepted, a.p, load3_doubles(rays->p0, part)), rays->p0, part);
+    store3_doubles(pick3(accepted, a.g, load3_doubles(rays->g0, part)), rays->g0, part);
+    store3_doubles(pick3(accepted, t.end.r, a.r), rays->r, part);
+    store3_doubles(pick3(accepted, t.end.p, a.p), rays->p, part);
+    store3_doubles(pick3(accepted, t.end.g, a.g), rays->g, part);
+    store_doubles(pick(accepted, t.end.n, a.n), rays->n, part);
+#define CPM_KEEP(field, value) \
+    store_doubles(pick(accepted, value, load_doubles(rays->field, part)), rays->field, part)
+    const real path = load_doubles(rays->optical_path, part), error_turn = load_doubles(rays->error_turn, part);
+    CPM_KEEP(n0, a.n);
+    CPM_KEEP(length0, length);
+    CPM_KEEP(optical_path0, path);
+    CPM_KEEP(piece_h, piece_h);
+    CPM_KEEP(length, length + t.way);
+    CPM_KEEP(optical_path, path + t.path);
+    CPM_KEEP(steps, load_doubles(rays->steps, part) + one);
+    CPM_KEEP(drift_now, drift);
+    CPM_KEEP(drift, larger(load_doubles(rays->drift, part), drift));
+    if (c->method == CPM_STEP_RK4) turn = magnitude(growth);
+    CPM_KEEP(error, load_doubles(rays->error, part) + off + error_turn * t.way);
+    CPM_KEEP(error_turn, error_turn + turn);
+#undef CPM_KEEP
+    mask refused = going & ~accepted;
+    real running = pick(accepted, zero, load_doubles(rays->refused, part) + one);
+    store_doubles(running, rays->refused, part);
+    store_doubles(pick(refused, load_doubles(rays->rejected, part) + one, load_doubles(rays->rejected, part)),
+                  rays->rejected, part);
+    store_doubles(pick(going, evaluations + R(cpm_step_cost(c)), evaluations), rays->evaluations, part);
+
+    /* Does it end? */
+    mask still = accepted & equal(t.end.r.x, a.r.x) & equal(t.end.r.y, a.r.y) & equal(t.end.r.z, a.r.z);
+    mask stuck = (refused & less(splat(CPM_MAX_REFUSED), running)) | still;
+    mask why = pick_mask(t.good, splat_mask(CPM_ENDED_UNDERFLOW), splat_mask(CPM_ENDED_CUTOFF));
+    status = pick_mask(stuck, why, status);
+    status = pick_mask(accepted & less(splat(0.1 * CPM_FAR), far), splat_mask(CPM_ENDED_LEFT), status);
+    status = pick_mask(cut, splat_mask(CPM_ENDED_CUTOFF), status);
+    store_flags(status, rays->status, part);
+    store_flags(accepted, rays->accepted, part);
+}
+
+CPM_INLINE void cpm_lanes_attempt(const cpm_step_control *c, const cpm_medium_data *m, CPM_GLOBAL const double *table,
+                                  cpm_lane_rays *rays) {
+    for (int part = 0; part < CPM_PARTS; part++) cpm_lanes_attempt_part(c, m, table, rays, part);
+}
+
+CPM_INLINE void cpm_lanes_piece(const cpm_lane_rays *rays, int i, cpm_piece *piece) {
+    for (int k = 0; k < 3; k++) {
+        piece->r0[k] = rays->r0[k][i], piece->p0[k] = rays->p0[k][i], piece->g0[k] = rays->g0[k][i];
+        piece->r1[k] = rays->r[k][i], piece->p1[k] = rays->p[k][i], piece->g1[k] = rays->g[k][i];
+    }
+    piece->h = rays->piece_h[i];
+    piece->length0 = rays->length0[i], piece->length1 = rays->length[i];
+    piece->n0 = rays->n0[i], piece->n1 = rays->n[i];
+}
+#endif

@@ -1,0 +1,19 @@
+/* shared/step_trial.h: what a step starts from and what it proposes. */
+#ifndef CPM_SHARED_STEP_TRIAL_H
+#define CPM_SHARED_STEP_TRIAL_H
+#include "medium.h"
+
+typedef struct {
+    real3 r, p, g; /* g = half grad n^2 at r */
+    real n, scale;
+} cpm_point;
+
+typedef struct {
+    cpm_point end;
+    real way, path;      /* arc length and optical path of the step, metres */
+    real error_position; /* metres: estimate for the lower-order result */
+    real error_way;      /* metres of arc length */
+    real error_momentum; /* of p; 0 with error_position where the method has no estimate */
+    mask good;           /* n > 0 at every point that was evaluated */
+} cpm_trial;
+#endif

@@ -1,0 +1,166 @@
+/* shared/trace.h: rays alone in a medium, each to its arc length or to the first crossing of a plane.
+ *
+ * Eight rays at a time; a lane whose ray has ended is loaded anew once half of the packet is idle, so that a slow ray
+ * does not hold the others. Lanes never influence each other: a ray's result does not depend on what runs beside it.
+ *
+ * With samples > 0 (path samples wanted) the same rays are traced once more, after a first call that found their
+ * lengths: positions are written as they are passed, so that no path is ever stored. */
+#ifndef CPM_SHARED_TRACE_H
+#define CPM_SHARED_TRACE_H
+#include "exact.h"
+#include "step.h"
+
+#define CPM_LANDING 0.05 /* of a step: how far beyond its end the quintic is as good as its inside (piece.h) */
+#define CPM_REFILL 4     /* idle lanes that are worth a start of new rays */
+
+/* The memory of one range of rays that are traced together. */
+typedef struct {
+    CPM_GLOBAL const cpm_ray_start *starts;
+    CPM_GLOBAL cpm_ray_end *ends;
+    CPM_GLOBAL double *positions; /* samples x 3 a ray */
+    cpm_i64 samples;
+} cpm_trace_arrays;
+
+CPM_INLINE void cpm_sample_piece(cpm_samples *s, const cpm_piece *piece, double length, int last) {
+    while (s->next < s->count) {
+        double wanted = s->step * (double)s->next, r[3];
+        if (wanted > length && !last) return;
+        cpm_piece_position(piece, cpm_piece_theta(piece, wanted < length ? wanted : length), r);
+        for (int k = 0; k < 3; k++) s->position[3 * s->next + k] = r[k];
+        s->next++;
+    }
+}
+
+/* Where the ray of lane i ends if it ends in its piece: theta, else CPM_NO_ROOT. */
+CPM_INLINE double cpm_landing(const cpm_piece *piece, const cpm_ray_goal *plane, double length) {
+    if (length < 0.0) return cpm_piece_plane(piece, plane->point, plane->normal, 1.0);
+    double margin = CPM_LANDING * (piece->length1 - piece->length0);
+    return piece->length1 + margin >= length ? cpm_piece_theta(piece, length) : CPM_NO_ROOT;
+}
+
+CPM_INLINE void cpm_end_of_lane(const cpm_lane_rays *rays, int i, const cpm_piece *piece, double theta, double length,
+                                cpm_ray_end *end) {
+    for (int k = 0; k < 3; k++) end->r[k] = rays->r[k][i], end->p[k] = rays->p[k][i];
+    end->length = rays->length[i], end->optical_path = rays->optical_path[i];
+    end->status = (cpm_i32)rays->status[i];
+    if (theta != CPM_NO_ROOT) {
+        double c[6];
+        cpm_piece_position(piece, theta, end->r);
+        cpm_piece_momentum(piece, theta, end->p);
+        end->length = length >= 0.0 ? length : cpm_piece_length(piece, theta);
+        cpm_quintic(piece->h, rays->optical_path0[i], piece->n0 * piece->n0, 2.0 * cpm_dot(piece->g0, piece->p0),
+                    rays->optical_path[i], piece->n1 * piece->n1, 2.0 * cpm_dot(piece->g1, piece->p1), c);
+        end->optical_path = cpm_quintic_at(c, theta);
+        end->status = CPM_ENDED_ARRIVED;
+    }
+    end->drift = rays->drift[i], end->error = rays->error[i];
+    end->evaluations = rays->evaluations[i];
+    end->steps = rays->steps[i], end->rejected = rays->rejected[i];
+    end->reserved = 0;
+}
+
+/* The distance to go that is known beforehand: bounds the first step. */
+CPM_INLINE double cpm_expected_length(const cpm_ray_start *start, const cpm_ray_goal *plane) {
+    if (start->length >= 0.0) return start->length;
+    double rounding, f = cpm_plane_offset(start->r, plane->point, plane->normal, &rounding);
+    double forward = -f / cpm_dot(start->d, plane->normal) * cpm_sqrt(cpm_dot(start->d, start->d));
+    return forward > 0.0 && forward < CPM_EXACT_FAR ? forward : 0.0;
+}
+
+/* Exact paths, or straight ones. */
+CPM_INLINE void cpm_trace_exact(const cpm_medium_data *m, CPM_GLOBAL const double *table, const cpm_ray_goal *plane,
+                                const cpm_trace_arrays *arrays, cpm_i64 ray) {
+    cpm_ray_start start = arrays->starts[ray];
+    cpm_ray_goal goal = *plane;
+    cpm_ray_end end;
+    cpm_samples samples;
+    double p[3], n = cpm_exact_index(m, table, start.scale, start.r, start.d);
+    double largest = fmax(fabs(start.d[0]), fmax(fabs(start.d[1]), fabs(start.d[2]))), size = 0.0;
+    for (int k = 0; k < 3; k++) p[k] = start.d[k] / largest, size += p[k] * p[k];
+    for (int k = 0; k < 3; k++) p[k] *= n / cpm_sqrt(size);
+    if (!(n > 0.0)) { /* n^2 <= 0 where it starts */
+        CPM_CLEAR(end);
+        for (int k = 0; k < 3; k++) end.r[k] = start.r[k], end.p[k] = start.d[k];
+        end.status = CPM_ENDED_CUTOFF;
+        arrays->ends[ray] = end;
+        return;
+    }
+    goal.length = start.length;
+    samples.count = arrays->samples, samples.next = 0;
+    samples.position = arrays->positions + 3 * arrays->samples * ray;
+    samples.step = samples.count > 1 ? arrays->ends[ray].length / (double)(samples.count - 1) : 0.0;
+    cpm_exact_trace(m, table, start.scale, start.r, p, &goal, &samples, &end);
+    for (; samples.next < samples.count; samples.next++)
+        for (int k = 0; k < 3; k++) samples.position[3 * samples.next + k] = end.r[k];
+    arrays->ends[ray] = end;
+}
+
+CPM_INLINE void cpm_load_lane(cpm_lane_rays *rays, int i, const cpm_ray_start *start, const cpm_ray_goal *plane) {
+    for (int k = 0; k < 3; k++) rays->r[k][i] = start->r[k], rays->p[k][i] = start->d[k];
+    rays->scale[i] = start->scale;
+    rays->length[i] = rays->optical_path[i] = rays->h[i] = 0.0;
+    rays->expected[i] = cpm_expected_length(start, plane);
+}
+
+/* Rays first..last - 1. */
+CPM_INLINE void cpm_trace_range(const cpm_step_control *c, const cpm_medium_data *m, CPM_GLOBAL const double *table,
+                                const cpm_ray_goal *plane, const cpm_trace_arrays *arrays, cpm_i64 first, cpm_i64 last) {
+    if (c->method == CPM_STEP_EXACT) {
+        for (cpm_i64 ray = first; ray < last; ray++) cpm_trace_exact(m, table, plane, arrays, ray);
+        return;
+    }
+    cpm_lane_rays rays;
+    cpm_i64 owner[CPM_LANES], fresh[CPM_LANES];
+    double length[CPM_LANES];
+    cpm_samples samples[CPM_LANES];
+    int idle = CPM_LANES;
+    CPM_CLEAR(rays);
+    for (int i = 0; i < CPM_LANES; i++) owner[i] = -1, rays.status[i] = CPM_ENDED_ARRIVED;
+    for (;;) {
+        if (first < last && (idle >= CPM_REFILL || idle == CPM_LANES)) {
+            for (int i = 0; i < CPM_LANES; i++) {
+                fresh[i] = owner[i] < 0 && first < last;
+                if (!fresh[i]) continue;
+                cpm_ray_start start = arrays->starts[first];
+                cpm_load_lane(&rays, i, &start, plane);
+                length[i] = start.length;
+                samples[i].count = arrays->samples, samples[i].next = 0;
+                samples[i].position = arrays->positions + 3 * arrays->samples * first;
+                samples[i].step = arrays->samples > 1 ? arrays->ends[first].length / (double)(arrays->samples - 1) : 0.0;
+                owner[i] = first++;
+                idle--;
+            }
+            cpm_lanes_begin(c, m, table, &rays, fresh);
+            for (int i = 0; i < CPM_LANES; i++) {
+                if (!fresh[i]) continue;
+                if (length[i] >= 0.0) rays.target[i] = length[i];
+                if (length[i] == 0.0 && rays.status[i] < 0) rays.status[i] = CPM_ENDED_ARRIVED;
+            }
+        } else if (idle == CPM_LANES) return;
+        else cpm_lanes_attempt(c, m, table, &rays);
+        for (int i = 0; i < CPM_LANES; i++) {
+            if (owner[i] < 0 || !(rays.accepted[i] || rays.status[i] >= 0)) continue;
+            cpm_piece piece;
+            double theta = CPM_NO_ROOT;
+            if (rays.accepted[i]) {
+                cpm_lanes_piece(&rays, i, &piece);
+                theta = cpm_landing(&piece, plane, length[i]);
+            }
+            int over = theta != CPM_NO_ROOT || rays.status[i] >= 0;
+            if (rays.accepted[i] && arrays->samples)
+                cpm_sample_piece(&samples[i], &piece, theta != CPM_NO_ROOT ? cpm_piece_length(&piece, theta) : piece.length1,
+                                 over);
+            if (!over) continue;
+            cpm_ray_end end;
+            cpm_end_of_lane(&rays, i, &piece, theta, length[i], &end);
+            for (; samples[i].next < samples[i].count; samples[i].next++)
+                for (int k = 0; k < 3; k++) samples[i].position[3 * samples[i].next + k] = end.r[k];
+            arrays->ends[owner[i]] = end;
+            owner[i] = -1;
+            rays.status[i] = CPM_ENDED_ARRIVED; /* stands still */
+            rays.accepted[i] = 0;
+            idle++;
+        }
+    }
+}
+#endif

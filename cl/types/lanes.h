@@ -1,0 +1,57 @@
+/* types/lanes.h: eight integrated rays and what steers them, the same memory on both sides.
+ *
+ * Arrays of 8 doubles whatever the width or precision of the arithmetic (float lanes hold float values in them), so that
+ * a caller reads and loads single rays by index while the steps run on whole lanes. */
+#ifndef CPM_TYPES_LANES_H
+#define CPM_TYPES_LANES_H
+#include "../dialect.h"
+
+#define CPM_LANES 8
+
+/* cpm_method and cpm_ray_status of the public headers. */
+#define CPM_STEP_EXACT 1
+#define CPM_STEP_EULER 2
+#define CPM_STEP_RK4 3
+#define CPM_STEP_DOPRI5 4
+#define CPM_ENDED_GOING (-1)
+#define CPM_ENDED_ARRIVED 0
+#define CPM_ENDED_LEFT 2
+#define CPM_ENDED_EXHAUSTED 10
+#define CPM_ENDED_UNDERFLOW 11
+#define CPM_ENDED_CUTOFF 12
+
+typedef struct cpm_lane_rays {
+    double r[3][CPM_LANES], p[3][CPM_LANES], g[3][CPM_LANES]; /* current point; g = half grad n^2 there */
+    double n[CPM_LANES], scale[CPM_LANES], length[CPM_LANES], optical_path[CPM_LANES];
+    double h[CPM_LANES];      /* sigma step to try next; 0: choose */
+    double limit[CPM_LANES];  /* sigma that the next attempt must not exceed, not remembered as a step size; start sets
+                                 +infinity */
+    double target[CPM_LANES]; /* arc length (of `length`) to end at; start sets +infinity. The step that gets there is
+                                 shortened to it; the caller ends the ray by the piece */
+    double expected[CPM_LANES]; /* metres the ray is likely to go in all; 0: unknown. Shares out atol, first step */
+    double n_start[CPM_LANES], evaluations[CPM_LANES], steps[CPM_LANES], rejected[CPM_LANES];
+    double drift[CPM_LANES];     /* max | |p| - n | / n */
+    double drift_now[CPM_LANES]; /* the same at the current point */
+    double error[CPM_LANES];     /* metres: embedded errors, those of direction carried along the ray */
+    double error_turn[CPM_LANES]; /* radians: embedded errors of direction */
+    double previous[CPM_LANES];  /* the step controller's memory */
+    double refused[CPM_LANES];   /* attempts refused since the last step */
+    cpm_i64 status[CPM_LANES];   /* -1 going, else a cpm_ray_status */
+    cpm_i64 accepted[CPM_LANES]; /* nonzero: the last attempt was accepted, and the piece below is valid */
+    double r0[3][CPM_LANES], p0[3][CPM_LANES], g0[3][CPM_LANES], n0[CPM_LANES], length0[CPM_LANES];
+    double optical_path0[CPM_LANES], piece_h[CPM_LANES]; /* the piece: from r0 to r in piece_h */
+} cpm_lane_rays;
+
+/* What holds for all rays of a call. */
+typedef struct cpm_step_control {
+    cpm_i32 method;     /* CPM_STEP_ */
+    cpm_i32 reserved;
+    double rtol, atol;  /* position error <= atol + rtol x length, direction error <= rtol */
+    double step;        /* metres of arc, fixed; 0: adaptive */
+    double max_step;    /* metres of arc; infinite: none */
+    double max_evaluations;
+    double lenient;     /* from rtol by cpm_step_control_set (shared/step.h): see there */
+    double first;
+} cpm_step_control;
+CPM_STATIC_ASSERT(sizeof(cpm_step_control) == 64, cpm_step_control_size);
+#endif

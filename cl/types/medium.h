@@ -1,0 +1,48 @@
+/* types/medium.h: a refractive index field as both sides see it: one tagged struct and one flat table of doubles.
+ *
+ * What is stored is refractivity N = n - 1 (linear, grid, layered cubic and step) or susceptibility S = n^2 - 1
+ * (linear-squared, layered linear-squared), never n: in air N is 2.8e-4 and 1 + N would lose 4 of its 16 digits.
+ * A ray's `scale` s (dispersion at its wavelength over that at the d line) multiplies N or S.
+ *
+ * Tables, offsets in doubles from the start of the table:
+ *   layered  heights   size[0] ascending
+ *            guide     size[1] + 1: for each bucket of equal height the last layer that starts at or below its bottom
+ *            records   4 a layer, size[0] + 1 layers; layer 0 is below heights[0], layer i starts at heights[i - 1];
+ *                      N (or S) = c0 + t (c1 + t (c2 + t c3)), t = height - heights[max(i, 1) - 1]
+ *   grid     records   linear: N at the samples, z fastest; cubic: B-spline coefficients, (nx + 2)(ny + 2)(nz + 2),
+ *                      one more on either side of each axis that has more than one sample (see shared/medium_grid.h) */
+#ifndef CPM_TYPES_MEDIUM_H
+#define CPM_TYPES_MEDIUM_H
+#include "../dialect.h"
+
+#define CPM_MEDIUM_HOMOGENEOUS 0
+#define CPM_MEDIUM_LINEAR_SQUARED 1
+#define CPM_MEDIUM_LINEAR 2
+#define CPM_MEDIUM_LAYERED 3
+#define CPM_MEDIUM_GRID 4
+
+/* As in cpm/medium.h. */
+#define CPM_FIELD_LINEAR 0
+#define CPM_FIELD_CUBIC 1
+#define CPM_FIELD_LINEAR_SQUARED 2
+#define CPM_FIELD_STEP 3
+
+typedef struct cpm_medium_data {
+    cpm_i32 kind;          /* CPM_MEDIUM_ */
+    cpm_i32 interpolation; /* CPM_FIELD_, layered and grid */
+    cpm_i32 size[3];       /* grid: samples; layered: heights, buckets, halvings that a look-up may need in a bucket */
+    cpm_i32 uniform;       /* 1: n is the same everywhere */
+    double origin[3];      /* metres */
+    double axis[3];        /* linear: grad n; linear-squared: grad n^2; layered: unit up; grid: 1/spacing */
+    double value;          /* N or S at the origin, or everywhere */
+    double feature;        /* metres over which the field may change its shape; infinite: one polynomial */
+    double low, high;      /* layered: first and last height */
+    double bucket;         /* layered: buckets a metre */
+    cpm_i64 heights, guide, records; /* offsets of the tables */
+} cpm_medium_data;
+
+CPM_STATIC_ASSERT(sizeof(cpm_medium_data) == 136, cpm_medium_data_size);
+CPM_ASSERT_OFFSET(cpm_medium_data, origin, 24);
+CPM_ASSERT_OFFSET(cpm_medium_data, value, 72);
+CPM_ASSERT_OFFSET(cpm_medium_data, heights, 112);
+#endif

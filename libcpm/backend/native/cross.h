@@ -1,0 +1,23 @@
+/* backend/native/cross.h: what a ray does at the boundary of a medium. */
+#ifndef CPM_NATIVE_CROSS_H
+#define CPM_NATIVE_CROSS_H
+#include "follow.h"
+
+#define CPM_EQUAL_INDEX 1e-9 /* a jump of n below this is none */
+
+typedef struct cpm_passage {
+    int32_t jumps;           /* n jumps: Snell and Fresnel; else `transmitted` goes straight on */
+    int32_t total;           /* total reflection: there is no `transmitted` */
+    double reflectance;      /* Fresnel, 0 without a jump */
+    cpm_flight reflected, transmitted;
+} cpm_passage;
+
+/* The medium behind the boundary that the arrival is at, for the flight that came there. */
+int32_t cpm_medium_behind(const cpm_pass *pass, const cpm_flight *flight, const cpm_arrival *arrival);
+
+/* Both ways on from a boundary. Returns 0 where more than CPM_MAX_NESTED media would overlap. */
+int cpm_pass_boundary(const cpm_pass *pass, const cpm_flight *flight, const cpm_arrival *arrival, cpm_passage *passage);
+
+/* A flight that starts where another has arrived. */
+cpm_flight cpm_depart(const cpm_pass *pass, const cpm_flight *flight, const cpm_arrival *arrival, cpm_vec direction);
+#endif

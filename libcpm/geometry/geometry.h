@@ -1,0 +1,53 @@
+/* geometry/geometry.h: primitives, and the first one that a ray meets.
+ *
+ * Two ways to ask, each built when first needed:
+ *  - straight: Embree's own triangles (float, ROBUST), the hit polished in double;
+ *  - curve: every primitive as Embree user geometry whose bounds are grown by `sagitta`, so that the chord of a curve
+ *    that stays within `sagitta` of it finds every candidate; the callback tests the curve itself, in double. */
+#ifndef CPM_GEOMETRY_H
+#define CPM_GEOMETRY_H
+#include "api/context.h"
+#include "cl/shared/curve.h"
+
+typedef struct cpm_geometry cpm_geometry;
+
+typedef struct cpm_hit {
+    int32_t primitive; /* -1: none */
+    double t;          /* straight: distance; curve: theta */
+    double u, v;       /* barycentric */
+    cpm_vec position;  /* on the ray, metres */
+} cpm_hit;
+
+/* Borrows the arrays. Primitives are numbered triangles first, then spheres. */
+cpm_status cpm_geometry_create(cpm_context *context, const cpm_triangle *triangles, size_t triangle_count,
+                               const cpm_sphere *spheres, size_t sphere_count, cpm_geometry **geometry);
+void cpm_geometry_free(cpm_geometry *geometry);
+
+/* Builds what a pass will ask for; not thread-safe, unlike the queries below. */
+cpm_status cpm_geometry_prepare(cpm_context *context, cpm_geometry *geometry, int straight, int curved);
+
+/* Fills what follows from corner and edges; returns 0 where the area is 0. `scale`: largest coordinate of the scene. */
+int cpm_triangle_complete(cpm_triangle *triangle, double scale);
+
+/* The box of all primitives; empty (low > high) without any. */
+cpm_box cpm_geometry_box(const cpm_geometry *geometry);
+
+/* First hit of origin + t direction, t > 0; direction is unit. `left`: the primitive that the ray starts on, -1: none
+ * (only its root at t = 0 is excluded). `slack` metres behind the start count too (coincident surfaces); `exact`: skip
+ * float, ask the curve scene (the start is so near an edge that float cannot tell sides). */
+void cpm_geometry_straight(const cpm_geometry *geometry, cpm_vec origin, cpm_vec direction, int32_t left, double slack,
+                           int exact, cpm_hit *hit);
+
+/* First hit of the curve for theta in (0, theta_end]; `left` and `slack` (in theta) as above. */
+void cpm_geometry_curve(const cpm_geometry *geometry, const cpm_curve *curve, double theta_end, int32_t left,
+                        double slack, cpm_hit *hit);
+
+/* Is the hit so near an edge of its triangle that the next straight ray has to be asked exactly? */
+int cpm_geometry_near_edge(const cpm_geometry *geometry, const cpm_hit *hit);
+
+/* Is there any surface between a and b? In float: for coverage, not for light. Needs `straight` prepared. */
+int cpm_geometry_between(const cpm_geometry *geometry, cpm_vec a, cpm_vec b);
+
+/* Version of the Embree that runs, "3.13.5". */
+const char *cpm_geometry_embree_version(void);
+#endif

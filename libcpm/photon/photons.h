@@ -1,0 +1,81 @@
+/* photon/photons.h: the photon pass's inside.
+ *
+ * project -> emit -> trace -> store -> build map. A photon's powers are floats relative to one scale, the mean power of
+ * a path; so they stay near 1 and fit 16 bits when stored. */
+#ifndef CPM_PHOTON_PHOTONS_H
+#define CPM_PHOTON_PHOTONS_H
+#include <stdatomic.h>
+
+#include "backend/native/cross.h"
+#include "cl/types/photon.h"
+#include "photon/map.h"
+#include "scene/pass.h"
+
+/* Populations that are searched apart. */
+enum { CPM_DIRECT = 0, CPM_LATER = 1, CPM_CAUSTIC = 2, CPM_POPULATIONS = 3 };
+
+/* Rows of the energy table, W/nm a bin. */
+enum { CPM_EMITTED, CPM_GAIN, CPM_ABSORBED, CPM_ESCAPED, CPM_LOSS, CPM_VARIANCE, CPM_ENERGY_ROWS };
+
+struct cpm_photons {
+    atomic_int references;
+    cpm_context *context;
+    size_t bins;
+    double *wavelengths;
+    cpm_vec origin; /* subtracted from stored positions */
+    double diagonal; /* of the scene: the default max_radius */
+    cpm_tree *trees[CPM_POPULATIONS];
+    double *energy; /* CPM_ENERGY_ROWS x bins */
+    cpm_stats stats;
+};
+
+/* A light's directions cut into cells of equal solid angle, rows of cos theta by columns of azimuth about its axis. */
+typedef struct cpm_projection {
+    int32_t rows, columns;
+    double *cumulative;   /* cells + 1: probability that a cell's photons start below it */
+    float *weight;        /* cells: what keeps the estimate unbiased */
+    uint64_t active, caustic;
+} cpm_projection;
+
+/* How the paths of one light start. */
+typedef struct cpm_emitter {
+    const light *light;
+    uint64_t first, count;  /* its path numbers */
+    float *weight;          /* bins: power of one of its paths over the scale */
+    cpm_projection projection; /* no cells: all directions alike */
+    cpm_region region;      /* where a point or spot light sits */
+    double *area;           /* area light: cumulative area of its triangles */
+    double power_factor;    /* area light: 1/mean n^2, so that a weight of 1 is the mean */
+    uint32_t shift[3];      /* of the emission's low-discrepancy sequence */
+} cpm_emitter;
+
+/* project.c */
+cpm_status cpm_project(const cpm_pass *pass, cpm_emitter *emitter, cpm_stats *stats);
+
+/* emit.c */
+cpm_status cpm_emitters_create(const cpm_pass *pass, uint64_t photons, uint64_t seed, int32_t project,
+                               cpm_emitter **emitters, size_t *count, double *scale, cpm_stats *stats);
+void cpm_emitters_free(cpm_emitter *emitters, size_t count);
+/* Starts a path: flight and powers (bins floats over the scale). Returns 0 where it carries nothing. */
+int cpm_emit(const cpm_pass *pass, const cpm_emitter *emitter, uint64_t seed, uint64_t path, cpm_flight *flight,
+             float *powers);
+
+/* store.c: what a thread has stored so far. */
+typedef struct cpm_store {
+    cpm_photon *photons;
+    uint16_t *spectra;
+    size_t count, capacity, spectra_count, spectra_capacity;
+} cpm_store;
+/* 0: out of memory. */
+int cpm_store_photon(cpm_store *store, const cpm_photon *photon, const float *powers, size_t count);
+int cpm_store_append(cpm_store *store, cpm_store *from); /* empties `from` */
+void cpm_store_free(cpm_store *store);
+
+/* trace.c: the pass itself, into per-population stores and the energy table (CPM_ENERGY_ROWS x bins, over the scale). */
+cpm_status cpm_trace_paths(const cpm_pass *pass, const cpm_emitter *emitters, size_t emitter_count, uint64_t photons,
+                           uint64_t seed, int32_t batch, cpm_vec origin, cpm_store stores[CPM_POPULATIONS],
+                           double *energy, cpm_stats *stats);
+
+/* photons.c: everything from a pass to maps. */
+cpm_status cpm_photons_run(const cpm_pass *pass, const cpm_photons_options *options, cpm_photons **photons);
+#endif

@@ -1,0 +1,273 @@
+/* render/eye.c: curved eye rays, specular surfaces followed both ways, gathers at the diffuse ends.
+ *
+ * L/n^2 is constant along a ray (basic radiance), so a pixel is sum weight (n_c/n_s)^2 L_s, L_s = rho/pi E at a diffuse
+ * surface in index n_s, and n_s^2 times the basic radiance of an area light. Each tile is one thread's, whole: pictures
+ * do not depend on threads. */
+#include "eye.h"
+
+#include <math.h>
+#include <omp.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cl/shared/fresnel.h"
+#include "cl/shared/philox.h"
+#include "cl/shared/sampling.h"
+
+#define TILE 16
+#define MAX_DEPTH 64         /* specular surfaces along one branch */
+#define LEAST_WEIGHT 1e-4f   /* of an eye ray: branches that carry less end */
+
+typedef struct glance { /* one branch of an eye ray */
+    cpm_flight flight;
+    int32_t pixel;     /* in the tile */
+    int32_t depth;
+} glance;
+
+typedef struct gaze { /* a tile's live branches */
+    glance *all;
+    float *weights; /* bins each */
+    cpm_flight *flights;
+    cpm_arrival *arrivals;
+    size_t count, capacity;
+} gaze;
+
+typedef struct viewer {
+    const cpm_pass *pass;
+    const cpm_gather *gather;
+    cpm_query *queries[CPM_POPULATIONS];
+    cpm_vec origin, forward, right, up; /* right and up scaled to half the picture */
+    cpm_region region;
+    const double *squared_index; /* bins: n_c^2 */
+    uint64_t seed;
+    int32_t samples, splits;
+    double *irradiance, *scratch, *sum; /* bins; bins; tile x bins */
+    gaze now, next;
+    uint64_t rays, segments, gathers;
+    double evaluations;
+    int failed;
+} viewer;
+
+static int gaze_reserve(gaze *g, size_t bins, size_t more) {
+    if (g->count + more <= g->capacity) return 1;
+    size_t capacity = 2 * (g->count + more);
+    void *all = realloc(g->all, capacity * sizeof *g->all);
+    if (all) g->all = all;
+    void *weights = realloc(g->weights, capacity * bins * sizeof *g->weights);
+    if (weights) g->weights = weights;
+    void *flights = realloc(g->flights, capacity * sizeof *g->flights);
+    if (flights) g->flights = flights;
+    void *arrivals = realloc(g->arrivals, capacity * sizeof *g->arrivals);
+    if (arrivals) g->arrivals = arrivals;
+    if (!all || !weights || !flights || !arrivals) return 0;
+    g->capacity = capacity;
+    return 1;
+}
+
+static void gaze_free(gaze *g) { free(g->all), free(g->weights), free(g->flights), free(g->arrivals); }
+
+/* A branch: `weights` times `factor`, times `spectrum` unless NULL. Single-bin flights use weights[0]. */
+static void branch(viewer *v, const glance *from, const cpm_flight *flight, const float *weights, double factor,
+                   const float *spectrum) {
+    const size_t bins = v->pass->bins, count = flight->bin < 0 ? bins : 1;
+    const size_t first = flight->bin < 0 ? 0 : (size_t)flight->bin;
+    if (from->depth >= MAX_DEPTH) return;
+    if (!gaze_reserve(&v->next, bins, 1)) {
+        v->failed = 1;
+        return;
+    }
+    float *to = &v->next.weights[v->next.count * bins], most = 0.0f;
+    for (size_t b = 0; b < count; b++) {
+        to[b] = weights[b] * (float)factor * (spectrum ? spectrum[first + b] : 1.0f);
+        if (to[b] > most) most = to[b];
+    }
+    if (most < LEAST_WEIGHT) return;
+    glance *g = &v->next.all[v->next.count++];
+    *g = *from;
+    g->flight = *flight;
+    g->depth++;
+}
+
+static void see_surface(viewer *v, const glance *g, const cpm_arrival *a, const float *weights, const shape *s) {
+    const cpm_pass *pass = v->pass;
+    const size_t bins = pass->bins, count = g->flight.bin < 0 ? bins : 1;
+    const size_t first = g->flight.bin < 0 ? 0 : (size_t)g->flight.bin;
+    cpm_vec geometric = cpm_geometric_normal(pass->scene, &a->hit);
+    int front = cpm_vdot(geometric, a->direction) < 0.0;
+    cpm_vec facing = front ? geometric : cpm_scaled(-1.0, geometric);
+    double *sum = &v->sum[(size_t)g->pixel * bins];
+    if (s->light >= 0 && front) /* basic radiance as given, seen in index n_c */
+        for (size_t b = 0; b < count; b++)
+            sum[first + b] += (double)weights[b] * pass->emission[(size_t)s->light * bins + first + b] *
+                              v->squared_index[first + b];
+    const material *m = &pass->scene->materials[s->material];
+    const float *reflectance = &pass->reflectance[(size_t)s->material * bins];
+    if (m->kind == CPM_MATERIAL_MIRROR) {
+        cpm_vec direction = cpm_reflect(a->direction, cpm_shading_normal(pass->scene, &a->hit, facing));
+        if (cpm_vdot(direction, facing) <= 0.0) direction = cpm_reflect(a->direction, facing);
+        cpm_flight flight = cpm_depart(pass, &g->flight, a, direction);
+        branch(v, g, &flight, weights, 1.0, reflectance);
+        return;
+    }
+    if (pass->reflectance_max[s->material] <= 0.0f) return;
+    cpm_gather_irradiance(v->gather, v->queries, a->hit.position, cpm_shading_normal(pass->scene, &a->hit, facing),
+                          v->irradiance, v->scratch);
+    v->gathers++;
+    for (size_t b = 0; b < count; b++)
+        sum[first + b] += (double)weights[b] * (double)reflectance[first + b] * v->irradiance[first + b] *
+                          v->squared_index[first + b] / (CPM_PI * a->n * a->n);
+}
+
+static void see_boundary(viewer *v, const glance *g, const cpm_arrival *a, const float *weights) {
+    const cpm_pass *pass = v->pass;
+    cpm_passage passage;
+    if (g->flight.bin < 0 && pass->disperses[cpm_medium_behind(pass, &g->flight, a)]) {
+        for (size_t b = 0; b < pass->bins; b++) {
+            glance one = *g;
+            one.flight.bin = (int32_t)b;
+            see_boundary(v, &one, a, &weights[b]);
+        }
+        return;
+    }
+    if (!cpm_pass_boundary(pass, &g->flight, a, &passage)) return;
+    if (passage.jumps) branch(v, g, &passage.reflected, weights, passage.reflectance, NULL);
+    if (!passage.total) branch(v, g, &passage.transmitted, weights, 1.0 - passage.reflectance, NULL);
+}
+
+static void see(viewer *v, const glance *g, const cpm_arrival *a, const float *weights) {
+    const cpm_scene *scene = v->pass->scene;
+    v->segments++;
+    v->evaluations += a->evaluations;
+    if (a->status != CPM_RAY_HIT) return;
+    const shape *s = &scene->shapes[cpm_primitive_shape(scene, a->hit.primitive)];
+    if (s->material == CPM_NO_MATERIAL || scene->materials[s->material].kind == CPM_MATERIAL_DIELECTRIC)
+        see_boundary(v, g, a, weights);
+    else
+        see_surface(v, g, a, weights, s);
+}
+
+/* Where in its pixel a sample lies: the middle for one, else jittered in n x n strata (the rest anywhere). */
+static void place(const viewer *v, uint32_t pixel, int32_t sample, double *x, double *y) {
+    *x = *y = 0.5;
+    if (v->samples == 1) return;
+    int32_t side = (int32_t)floor(sqrt((double)v->samples) + 1e-9);
+    cpm_random r = cpm_philox(v->seed, pixel, (uint32_t)sample, CPM_STREAM_EYE, 0);
+    *x = cpm_uniform(r.v[0]), *y = cpm_uniform(r.v[1]);
+    if (sample >= side * side) return;
+    *x = (sample % side + *x) / side;
+    *y = (sample / side + *y) / side;
+}
+
+static void look(viewer *v, int32_t column, int32_t row, int32_t pixel, const cpm_image *image) {
+    const size_t bins = v->pass->bins;
+    float ones[CPM_MAX_BINS];
+    for (size_t b = 0; b < bins; b++) ones[b] = 1.0f;
+    for (int32_t s = 0; s < v->samples; s++) {
+        double x, y;
+        place(v, (uint32_t)(row * image->width + column), s, &x, &y);
+        double a = 2.0 * (column + x) / image->width - 1.0, b = 1.0 - 2.0 * (row + y) / image->height;
+        glance g = {.pixel = pixel, .depth = -1};
+        g.flight.position = v->origin;
+        g.flight.direction = cpm_unit(cpm_along(cpm_along(v->forward, a, v->right), b, v->up));
+        g.flight.region = v->region;
+        g.flight.left = -1;
+        v->rays++;
+        for (size_t bin = 0; bin < (v->splits ? bins : 1); bin++) {
+            g.flight.bin = v->splits ? (int32_t)bin : -1;
+            branch(v, &g, &g.flight, ones, 1.0, NULL);
+        }
+    }
+}
+
+static void paint_tile(viewer *v, int32_t tile, int32_t across, cpm_image *image) {
+    const size_t bins = v->pass->bins;
+    int32_t x0 = tile % across * TILE, y0 = tile / across * TILE;
+    int32_t x1 = x0 + TILE < image->width ? x0 + TILE : image->width;
+    int32_t y1 = y0 + TILE < image->height ? y0 + TILE : image->height;
+    memset(v->sum, 0, TILE * TILE * bins * sizeof *v->sum);
+    v->next.count = 0;
+    for (int32_t y = y0; y < y1; y++)
+        for (int32_t x = x0; x < x1; x++) look(v, x, y, (y - y0) * TILE + x - x0, image);
+    while (v->next.count && !v->failed && !cpm_cancelled(v->pass->context)) {
+        gaze swap = v->now;
+        v->now = v->next;
+        v->next = swap;
+        v->next.count = 0;
+        for (size_t i = 0; i < v->now.count; i++) v->now.flights[i] = v->now.all[i].flight;
+        cpm_follow(v->pass, v->now.flights, v->now.count, NULL, v->now.arrivals);
+        for (size_t i = 0; i < v->now.count && !v->failed; i++)
+            see(v, &v->now.all[i], &v->now.arrivals[i], &v->now.weights[i * bins]);
+    }
+    for (int32_t y = y0; y < y1; y++)
+        for (int32_t x = x0; x < x1; x++)
+            for (size_t b = 0; b < bins; b++)
+                image->data[((size_t)y * (size_t)image->width + (size_t)x) * bins + b] =
+                    (float)(v->sum[(size_t)((y - y0) * TILE + x - x0) * bins + b] / v->samples);
+}
+
+static void set_camera(viewer *v, const cpm_camera *c, const cpm_image *image) {
+    cpm_vec up = cpm_unit(cpm_v(c->up[0], c->up[1], c->up[2]));
+    v->origin = cpm_v(c->origin[0], c->origin[1], c->origin[2]);
+    v->forward = cpm_unit(cpm_sub(cpm_v(c->target[0], c->target[1], c->target[2]), v->origin));
+    double half = tan(c->fov * (CPM_PI / 360.0));
+    cpm_vec right = cpm_unit(cpm_cross(v->forward, up));
+    v->up = cpm_scaled(half * image->height / image->width, cpm_cross(right, v->forward));
+    v->right = cpm_scaled(half, right);
+    v->region = cpm_region_at(v->pass, v->origin, v->forward);
+}
+
+cpm_status cpm_eye_pass(const cpm_pass *pass, const cpm_gather *gather, uint64_t seed, int32_t samples,
+                        cpm_image *image) {
+    cpm_context *context = pass->context;
+    const size_t bins = pass->bins;
+    const int32_t across = (image->width + TILE - 1) / TILE, tiles = across * ((image->height + TILE - 1) / TILE);
+    double squared_index[CPM_MAX_BINS];
+    viewer model = {.pass = pass, .gather = gather, .seed = seed, .samples = samples, .squared_index = squared_index};
+    set_camera(&model, &pass->scene->camera, image);
+    int32_t medium = cpm_region_medium(&model.region);
+    model.splits = pass->disperses[medium];
+    for (size_t b = 0; b < bins; b++) {
+        double n = cpm_pass_index(pass, medium, (int32_t)b, model.origin);
+        if (!(n > 0.0)) return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "camera: n^2 is not positive at its origin");
+        squared_index[b] = n * n;
+    }
+    int failed = 0, done = 0;
+    double *evaluations = calloc((size_t)tiles, sizeof *evaluations);
+    if (!evaluations) return cpm_fail(context, CPM_ERROR_OUT_OF_MEMORY, "no memory for the eye pass");
+#pragma omp parallel num_threads(context->threads)
+    {
+        viewer v = model;
+        v.irradiance = malloc(bins * sizeof(double));
+        v.scratch = malloc(bins * sizeof(double));
+        v.sum = malloc(TILE * TILE * bins * sizeof(double));
+        v.failed = !cpm_gather_queries(gather, v.queries) || !v.irradiance || !v.scratch || !v.sum;
+#pragma omp for schedule(dynamic, 1)
+        for (int32_t t = 0; t < tiles; t++) {
+            if (v.failed || cpm_cancelled(context)) continue;
+            v.evaluations = 0.0;
+            paint_tile(&v, t, across, image);
+            evaluations[t] = v.evaluations;
+            int so_far;
+#pragma omp atomic capture
+            so_far = ++done;
+            if (omp_get_thread_num() == 0) cpm_progress(context, "gather", (double)so_far / tiles);
+        }
+        cpm_gather_queries_free(v.queries);
+        gaze_free(&v.now), gaze_free(&v.next);
+        free(v.irradiance), free(v.scratch), free(v.sum);
+#pragma omp critical(cpm_collect)
+        {
+            failed |= v.failed;
+            image->stats.eye_rays += v.rays;
+            image->stats.eye_segments += v.segments;
+            image->stats.gathers += v.gathers;
+        }
+    }
+    double sum = 0.0;
+    for (int32_t t = 0; t < tiles; t++) sum += evaluations[t];
+    free(evaluations);
+    image->stats.eye_evaluations = (uint64_t)sum;
+    if (failed) return cpm_fail(context, CPM_ERROR_OUT_OF_MEMORY, "no memory for the eye pass");
+    if (cpm_progress(context, "gather", 1.0)) return cpm_fail(context, CPM_ERROR_CANCELLED, "cancelled while gathering");
+    return CPM_OK;
+}

@@ -1,0 +1,33 @@
+/* render/eye.h: eye rays and what they gather. Internal. */
+#ifndef CPM_RENDER_EYE_H
+#define CPM_RENDER_EYE_H
+#include "photon/photons.h"
+#include "render/image.h"
+
+/* What a gather needs: the maps, how many photons, how far. One a render. */
+typedef struct cpm_gather {
+    const cpm_photons *photons;
+    const cpm_geometry *geometry; /* NULL: no edge correction */
+    int32_t nearest;
+    double max_radius[CPM_POPULATIONS]; /* metres */
+} cpm_gather;
+
+/* gather.c: the caller's radius, or the default: direct light is capped at what its own photons ask for (or it would
+ * blur into the shade), the rest at the scene's diagonal. */
+cpm_status cpm_gather_begin(cpm_context *context, const cpm_photons *photons, const cpm_geometry *geometry,
+                            int32_t nearest, double max_radius, cpm_gather *gather);
+/* coverage.c: the part of a disc about a surface point that lies on surface, in [1/16, 1]. */
+double cpm_disc_coverage(const cpm_geometry *geometry, cpm_vec point, cpm_vec normal, double radius);
+
+/* Scratch of one thread: a query a map. 0: out of memory. */
+int cpm_gather_queries(const cpm_gather *gather, cpm_query *queries[CPM_POPULATIONS]);
+void cpm_gather_queries_free(cpm_query *queries[CPM_POPULATIONS]);
+/* Irradiance of all maps at a surface point (metres), on the side of the unit normal; overwrites
+ * irradiance[bins]; scratch[bins]. */
+void cpm_gather_irradiance(const cpm_gather *gather, cpm_query *queries[CPM_POPULATIONS], cpm_vec point, cpm_vec normal,
+                           double *irradiance, double *scratch);
+
+/* eye.c: traces and gathers the whole picture. */
+cpm_status cpm_eye_pass(const cpm_pass *pass, const cpm_gather *gather, uint64_t seed, int32_t samples,
+                        cpm_image *image);
+#endif

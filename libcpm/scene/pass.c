@@ -1,0 +1,177 @@
+/* scene/pass.c: inspects a scene once; its features decide what is built and what runs. */
+#include "pass.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define NUDGE 1e-9 /* of the scene's size */
+
+cpm_status cpm_check_wavelengths(cpm_context *context, const double *wavelengths, size_t count) {
+    if (!wavelengths || !count || count > CPM_MAX_BINS)
+        return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "%zu wavelengths; allowed: 1 to %d", wavelengths ? count : 0,
+                        CPM_MAX_BINS);
+    for (size_t i = 0; i < count; i++)
+        if (!isfinite(wavelengths[i]) || !(wavelengths[i] > 0.0) || (i && !(wavelengths[i] > wavelengths[i - 1])))
+            return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT,
+                            "wavelength %zu is %g nm; allowed: positive, increasing", i, wavelengths[i]);
+    return CPM_OK;
+}
+
+static void grow_box(cpm_box *box, const double *point) {
+    for (int k = 0; k < 3; k++) box->low[k] = fmin(box->low[k], point[k]), box->high[k] = fmax(box->high[k], point[k]);
+}
+
+/* The scene's own extent, or the box of everything in it grown on each side by its diagonal. */
+static void find_extent(cpm_pass *pass) {
+    const cpm_scene *scene = pass->scene;
+    cpm_box box = cpm_geometry_box(scene->geometry);
+    double diagonal2 = 0.0;
+    for (int k = 0; k < 3; k++)
+        if (box.high[k] > box.low[k]) diagonal2 += (box.high[k] - box.low[k]) * (box.high[k] - box.low[k]);
+    pass->reach = diagonal2 > 0.0 ? sqrt(diagonal2) : 1.0;
+    for (size_t i = 0; i < scene->light_count; i++)
+        if (scene->lights[i].shape < 0) {
+            cpm_vec p = scene->lights[i].position;
+            grow_box(&box, (const double[3]){p.x, p.y, p.z});
+        }
+    if (scene->has_camera) grow_box(&box, scene->camera.origin);
+    double all2 = 0.0;
+    for (int k = 0; k < 3; k++)
+        if (box.high[k] > box.low[k]) all2 += (box.high[k] - box.low[k]) * (box.high[k] - box.low[k]);
+    double diagonal = all2 > 0.0 ? sqrt(all2) : 1.0;
+    pass->nudge = NUDGE * pass->reach;
+    pass->bounded = 1;
+    if (scene->has_extent) {
+        pass->extent = scene->extent;
+        return;
+    }
+    for (int k = 0; k < 3; k++) {
+        if (box.low[k] > box.high[k]) box.low[k] = box.high[k] = 0.0;
+        pass->extent.low[k] = box.low[k] - diagonal;
+        pass->extent.high[k] = box.high[k] + diagonal;
+    }
+    if (pass->features & CPM_FEATURE_CURVED) return;
+    pass->bounded = 0;
+    for (int k = 0; k < 3; k++) pass->extent.low[k] = -INFINITY, pass->extent.high[k] = INFINITY;
+}
+
+static cpm_way way_of(const cpm_scene_options *o, const cpm_medium *medium) {
+    if (cpm_medium_is_uniform(medium)) return CPM_WAY_STRAIGHT;
+    int allowed = (o->method == CPM_METHOD_AUTO && !(o->exclude >> CPM_METHOD_EXACT & 1u)) || o->method == CPM_METHOD_EXACT;
+    return (allowed && cpm_medium_has_exact(medium)) || cpm_medium_needs_exact(medium) ? CPM_WAY_EXACT
+                                                                                       : CPM_WAY_INTEGRATED;
+}
+
+static cpm_status look_at_media(cpm_pass *pass) {
+    const cpm_scene *scene = pass->scene;
+    for (size_t m = 0; m < scene->medium_count; m++) {
+        const cpm_medium *medium = scene->media[m].medium;
+        double *scale = &pass->scale[m * pass->bins];
+        pass->way[m] = (uint8_t)way_of(&pass->options, medium);
+        for (size_t b = 0; b < pass->bins; b++) {
+            cpm_status status = cpm_medium_scale(pass->context, medium, pass->wavelengths[b], &scale[b]);
+            if (status) return status;
+            if (scale[b] != scale[0]) pass->disperses[m] = 1;
+            if (pass->way[m] == CPM_WAY_STRAIGHT)
+                pass->index[m * pass->bins + b] = cpm_medium_n(medium, scale[b], (const double[3]){0.0, 0.0, 0.0});
+        }
+        if (pass->way[m] != CPM_WAY_STRAIGHT) pass->features |= CPM_FEATURE_CURVED;
+        if (pass->way[m] == CPM_WAY_EXACT) pass->features |= CPM_FEATURE_EXACT;
+        if (pass->way[m] == CPM_WAY_INTEGRATED) pass->features |= CPM_FEATURE_INTEGRATOR;
+        if (pass->disperses[m]) pass->features |= CPM_FEATURE_DISPERSION;
+    }
+    if (scene->medium_count > 1) pass->features |= CPM_FEATURE_BOUNDARIES | CPM_FEATURE_SPECULAR;
+    return CPM_OK;
+}
+
+static void look_at_surfaces(cpm_pass *pass) {
+    const cpm_scene *scene = pass->scene;
+    for (size_t m = 0; m < scene->material_count; m++) {
+        const material *from = &scene->materials[m];
+        if (from->kind == CPM_MATERIAL_MIRROR) pass->features |= CPM_FEATURE_SPECULAR;
+        for (size_t b = 0; b < pass->bins; b++) {
+            float r = (float)cpm_spectrum_at(&from->reflectance, pass->wavelengths[b]);
+            pass->reflectance[m * pass->bins + b] = r;
+            pass->reflectance_max[m] = fmaxf(pass->reflectance_max[m], r);
+        }
+    }
+    for (size_t l = 0; l < scene->light_count; l++) {
+        int delta = scene->lights[l].kind != CPM_LIGHT_AREA;
+        pass->features |= delta ? CPM_FEATURE_DELTA_LIGHTS | CPM_FEATURE_PROJECTION : CPM_FEATURE_AREA_LIGHTS;
+        for (size_t b = 0; b < pass->bins; b++)
+            pass->emission[l * pass->bins + b] = cpm_spectrum_at(&scene->lights[l].emission, pass->wavelengths[b]);
+    }
+    if (scene->sphere_count) pass->features |= CPM_FEATURE_SPHERES;
+    if (scene->triangle_count) pass->features |= CPM_FEATURE_MESHES;
+    if (scene->normals) pass->features |= CPM_FEATURE_SHADING_NORMALS;
+}
+
+cpm_status cpm_pass_begin(cpm_context *context, cpm_scene *scene, const double *wavelengths, size_t bins,
+                          cpm_pass *pass) {
+    return cpm_pass_begin_with(context, scene, &scene->options, wavelengths, bins, pass);
+}
+
+cpm_status cpm_pass_begin_with(cpm_context *context, cpm_scene *scene, const cpm_scene_options *options,
+                               const double *wavelengths, size_t bins, cpm_pass *pass) {
+    memset(pass, 0, sizeof *pass);
+    pass->options = *options;
+    pass->context = context;
+    pass->scene = scene;
+    pass->bins = bins;
+    pass->middle = (int32_t)(bins / 2);
+    size_t media = scene->medium_count, materials = scene->material_count + 1, lights = scene->light_count + 1;
+    pass->wavelengths = malloc(bins * sizeof(double));
+    pass->reflectance = calloc(materials * bins, sizeof(float));
+    pass->reflectance_max = calloc(materials, sizeof(float));
+    pass->scale = calloc(media * bins, sizeof(double));
+    pass->index = calloc(media * bins, sizeof(double));
+    pass->disperses = calloc(media, 1);
+    pass->way = calloc(media, 1);
+    pass->emission = calloc(lights * bins, sizeof(double));
+    cpm_status status = CPM_OK;
+    if (!pass->wavelengths || !pass->reflectance || !pass->reflectance_max || !pass->scale || !pass->index ||
+        !pass->disperses || !pass->way || !pass->emission)
+        status = cpm_fail(context, CPM_ERROR_OUT_OF_MEMORY, "no memory for a pass over %zu wavelengths", bins);
+    if (!status) {
+        memcpy(pass->wavelengths, wavelengths, bins * sizeof(double));
+        status = look_at_media(pass);
+    }
+    if (!status) {
+        look_at_surfaces(pass);
+        int curved = (pass->features & CPM_FEATURE_CURVED) != 0, straight = 0;
+        for (size_t m = 0; m < media; m++) straight |= pass->way[m] == CPM_WAY_STRAIGHT;
+        status = cpm_scene_prepare(context, scene, straight, curved);
+    }
+    if (!status) {
+        pass->geometry = scene->geometry;
+        find_extent(pass);
+    } else {
+        cpm_pass_end(pass);
+    }
+    return status;
+}
+
+void cpm_pass_end(cpm_pass *pass) {
+    free(pass->wavelengths), free(pass->reflectance), free(pass->reflectance_max), free(pass->scale);
+    free(pass->index), free(pass->disperses), free(pass->way), free(pass->emission);
+    memset(pass, 0, sizeof *pass);
+}
+
+double cpm_pass_index(const cpm_pass *pass, int32_t medium, int32_t bin, cpm_vec point) {
+    size_t at = (size_t)medium * pass->bins + (size_t)(bin < 0 ? pass->middle : bin);
+    if (pass->way[medium] == CPM_WAY_STRAIGHT) return pass->index[at];
+    return cpm_medium_n(pass->scene->media[medium].medium, pass->scale[at], (const double[3]){point.x, point.y, point.z});
+}
+
+cpm_status cpm_scene_features(cpm_scene *scene, const double *wavelengths, size_t count, uint32_t *features) {
+    if (!scene) return CPM_ERROR_INVALID_ARGUMENT;
+    if (!features) return cpm_fail(scene->context, CPM_ERROR_INVALID_ARGUMENT, "features must not be NULL");
+    cpm_status status = cpm_check_wavelengths(scene->context, wavelengths, count);
+    cpm_pass pass;
+    if (!status) status = cpm_pass_begin(scene->context, scene, wavelengths, count, &pass);
+    if (status) return status;
+    *features = pass.features;
+    cpm_pass_end(&pass);
+    return CPM_OK;
+}

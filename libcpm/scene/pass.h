@@ -1,0 +1,52 @@
+/* scene/pass.h: a scene at given wavelengths: everything looked up once, before any ray runs. */
+#ifndef CPM_SCENE_PASS_H
+#define CPM_SCENE_PASS_H
+#include "scene.h"
+
+/* How rays run in a medium. */
+typedef enum cpm_way { CPM_WAY_STRAIGHT = 0, CPM_WAY_EXACT = 1, CPM_WAY_INTEGRATED = 2 } cpm_way;
+
+typedef struct cpm_pass {
+    cpm_context *context; /* the call's: threads, progress, messages */
+    cpm_scene *scene;
+    const cpm_geometry *geometry;
+    cpm_scene_options options; /* method and tolerances: the scene's, or a request's own */
+    size_t bins;
+    double *wavelengths;    /* bins */
+    int32_t middle;         /* the bin that stands for a whole bundle where nothing disperses */
+    float *reflectance;     /* materials x bins */
+    float *reflectance_max; /* materials */
+    double *scale;          /* media x bins: dispersion factor */
+    double *index;          /* media x bins: n of uniform media */
+    uint8_t *disperses;     /* media: n differs between the bins */
+    uint8_t *way;           /* media: cpm_way */
+    double *emission;       /* lights x bins */
+    cpm_box extent;
+    double reach;           /* a good length of one curved piece, metres: the geometry's diagonal */
+    double nudge;           /* metres: far below the geometry, far above rounding */
+    int32_t bounded;        /* the extent is finite */
+    uint32_t features;
+} cpm_pass;
+
+cpm_status cpm_pass_begin(cpm_context *context, cpm_scene *scene, const double *wavelengths, size_t bins, cpm_pass *pass);
+/* The same with other methods or tolerances than the scene's. */
+cpm_status cpm_pass_begin_with(cpm_context *context, cpm_scene *scene, const cpm_scene_options *options,
+                               const double *wavelengths, size_t bins, cpm_pass *pass);
+void cpm_pass_end(cpm_pass *pass);
+cpm_status cpm_check_wavelengths(cpm_context *context, const double *wavelengths, size_t count);
+
+/* The bounded media that contain a point, in order of addition: the last one is what is there. Entry 0 fills space. */
+typedef struct cpm_region {
+    uint16_t media[CPM_MAX_NESTED];
+    uint16_t count;
+} cpm_region;
+
+static inline int32_t cpm_region_medium(const cpm_region *region) { return region->media[region->count - 1]; }
+/* Adds or removes a medium (idempotent); 0: more than CPM_MAX_NESTED overlap. */
+int cpm_region_cross(cpm_region *region, int32_t medium, int entering);
+/* What contains a point; on a boundary, what `direction` enters. */
+cpm_region cpm_region_at(const cpm_pass *pass, cpm_vec point, cpm_vec direction);
+
+/* n at a point of a medium, for a bin (-1: the bundle). */
+double cpm_pass_index(const cpm_pass *pass, int32_t medium, int32_t bin, cpm_vec point);
+#endif

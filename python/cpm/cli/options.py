@@ -1,0 +1,72 @@
+"""Options that several commands take."""
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from ..image import SUFFIXES
+
+
+def _size(text: str) -> Any:
+    """400x300 as (400, 300)."""
+    width, cross, height = text.lower().partition("x")
+    if not (cross and width.isdigit() and height.isdigit() and int(width) and int(height)):
+        raise typer.BadParameter(f"'{text}' is not a size such as 400x300")
+    return int(width), int(height)
+
+
+def _count(text: str) -> Any:
+    """3000000, 3_000_000 or 3e6."""
+    try:
+        number = float(text)
+        return int(text) if text.replace("_", "").isdigit() else _whole(number)
+    except (ValueError, OverflowError):
+        raise typer.BadParameter(f"'{text}' is not a whole number") from None
+
+
+def _whole(number: float) -> int:
+    if not number.is_integer() or number < 0:
+        raise ValueError(number)
+    return int(number)
+
+
+Scene = Annotated[Path, typer.Argument(metavar="SCENE", help="Scene file (TOML).", show_default=False)]
+Outputs = Annotated[list[Path] | None, typer.Option(
+    "--output", "-o", metavar="FILE", help=f"Output, {' or '.join(SUFFIXES)}; may repeat. Default: the scene's name "
+    "with both, here.", show_default=False)]
+Size = Annotated[Any, typer.Option("--size", metavar="WxH", parser=_size, help="Pixels, as 400x300.",
+                                   show_default="the scene's")]
+PhotonCount = Annotated[Any, typer.Option("--photons", metavar="N", parser=_count, help="Photon paths to emit.",
+                                          show_default="the scene's")]
+Nearest = Annotated[int | None, typer.Option("--nearest", metavar="K", help="Photons in an estimate.",
+                                             show_default="the scene's")]
+Samples = Annotated[int | None, typer.Option("--samples", metavar="N", help="Eye rays a pixel.",
+                                             show_default="the scene's")]
+Backend = Annotated[str, typer.Option("--backend", metavar="NAME", help="native.")]
+Precision = Annotated[str, typer.Option("--precision", metavar="NAME", help="double.")]
+Seed = Annotated[int | None, typer.Option("--seed", metavar="N", help="Of the random numbers.",
+                                          show_default="the scene's")]
+Threads = Annotated[int, typer.Option("--threads", metavar="N", help="0: all.")]
+Exposure = Annotated[float | None, typer.Option("--exposure", metavar="F", show_default="automatic",
+                                                help="PNG: factor on luminance in cd/m2.")]
+White = Annotated[str | None, typer.Option("--white", metavar="NAME", show_default="none",
+                                           help="PNG: illuminant that looks neutral, as E or D65.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no table.")]
+
+
+def outputs_or_default(outputs: list[Path] | None, scene: Path, ending: str = "",
+                       suffixes: tuple[str, ...] = SUFFIXES) -> list[Path]:
+    """Where to write; refused before the work is done rather than after."""
+    chosen = outputs or [Path(f"{scene.stem}{ending}{suffix}") for suffix in suffixes]
+    for path in chosen:
+        if path.suffix.lower() not in suffixes:
+            raise ValueError(f"{path}: suffix '{path.suffix}'; {', '.join(suffixes)} are allowed")
+        if not path.parent.is_dir():
+            raise ValueError(f"{path}: no such folder: {path.parent}")
+        if path.is_dir():
+            raise ValueError(f"{path}: is a folder")
+    if len({path.resolve() for path in chosen}) != len(chosen):
+        raise ValueError(f"the same output is given twice: {', '.join(map(str, chosen))}")
+    return chosen

@@ -1,0 +1,50 @@
+"""The commands together, and what their exceptions mean to a shell."""
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+
+import typer
+
+from .. import Error
+from . import bench, explain, info, photons, rays, render
+
+FAILURE, BAD_INPUT, INTERRUPTED = 1, 2, 130
+
+app = typer.Typer(name="cpm", help="Spectral global illumination where light bends.",
+                  add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
+for command in (render.render, photons.photons, rays.rays, explain.explain, bench.bench, info.info):
+    app.command()(command)
+
+#: What the command line parser raises for wrong usage; its home differs between versions of typer.
+_UsageError = typer.BadParameter.__bases__[0]
+
+
+def run(arguments: Sequence[str]) -> int:
+    """Run one command; returns the exit status. Errors are one line on stderr."""
+    try:
+        status = app(list(arguments) or ["--help"], prog_name="cpm", standalone_mode=False)
+        # Some versions of typer hand back the status of an interrupt rather than raise it.
+        return _say("interrupted", INTERRUPTED) if status == INTERRUPTED else status if isinstance(status, int) else 0
+    except typer.Exit as leave:
+        return leave.exit_code
+    except (KeyboardInterrupt, typer.Abort):
+        return _say("interrupted", INTERRUPTED)
+    except _UsageError as error:
+        message = error.format_message()
+        return _say(message, BAD_INPUT) if message else BAD_INPUT
+    except (ValueError, TypeError, FileNotFoundError) as error:
+        return _say(_one_line(error), BAD_INPUT)
+    except (Error, OSError, MemoryError) as error:
+        return _say(_one_line(error), FAILURE)
+
+
+def _one_line(error: BaseException) -> str:
+    if isinstance(error, FileNotFoundError) and error.filename:
+        return f"{error.filename}: no such file"
+    return " ".join(str(error).split()) or type(error).__name__
+
+
+def _say(message: str, status: int) -> int:
+    print(f"cpm: {message}", file=sys.stderr)
+    return status

@@ -1,0 +1,22 @@
+"""cpm render: a scene file to spectral pictures."""
+from __future__ import annotations
+
+from ..image import save_all
+from ..render import render as render_scene
+from ..scene_file import load_scene
+from . import options
+from .report import print_stats
+
+
+def render(scene: options.Scene, output: options.Outputs = None, photons: options.PhotonCount = None,
+           nearest: options.Nearest = None, size: options.Size = None, samples: options.Samples = None,
+           backend: options.Backend = "native", precision: options.Precision = "double", seed: options.Seed = None,
+           threads: options.Threads = 0, exposure: options.Exposure = None, white: options.White = None,
+           quiet: options.Quiet = False) -> None:
+    """Render a scene to spectral EXR and PNG."""
+    outputs = options.outputs_or_default(output, scene)
+    image = render_scene(load_scene(scene), size=size, photons=photons, nearest=nearest, samples=samples, seed=seed,
+                         backend=backend, precision=precision, threads=threads, progress=not quiet)
+    save_all(image, outputs, exposure=exposure, white=white)
+    if not quiet:
+        print_stats(image.stats, outputs)

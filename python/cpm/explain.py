@@ -1,0 +1,204 @@
+"""What a scene needs, what was left out for it, and what each costs: measured, not listed."""
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from . import media
+from .materials import Black, Mirror
+from .render import render
+from .scene import Scene
+from .settings import resolve
+from .status import feature_names
+
+__all__ = ["Explanation", "Feature", "explain"]
+
+#: What each feature means where it is in.
+_MEANING = {
+    "curved": "some medium bends rays",
+    "exact": "bent paths in closed form",
+    "integrator": "bent paths integrated",
+    "dispersion": "bundles split by wavelength",
+    "specular": "mirrors or index jumps: a caustic map",
+    "boundaries": "bounded media or dielectrics",
+    "spheres": "exact spheres",
+    "meshes": "triangles",
+    "shading_normals": "interpolated normals",
+    "area_lights": "emission from shapes",
+    "projection": "photons only where something may be hit",
+    "delta_lights": "point or spot lights",
+}
+
+#: The trial: small, so that an explanation takes seconds, and the best of a few, since machines are noisy.
+_TRIAL = {"size": (80, 60), "photons": 100_000, "nearest": 50, "samples": 1, "seed": 0}
+_REPEATS = 3
+
+
+@dataclass(frozen=True)
+class Feature:
+    """One thing that the core can build in or leave out.
+
+    Attributes
+    ----------
+    name : str
+    needed : bool
+        Whether it is in.
+    meaning : str
+    counters : str
+        What it did in the trial; where it is left out, the zeros that prove it.
+    cost : float or None
+        Seconds of the trial with it over seconds without; None where that was not tried.
+    """
+
+    name: str
+    needed: bool
+    meaning: str
+    counters: str
+    cost: float | None
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """What :func:`explain` found; ``print`` it.
+
+    Attributes
+    ----------
+    scene : str
+        What is in it.
+    features : list of Feature
+    stats : dict
+        Of the trial; empty where nothing was measured.
+    """
+
+    scene: str
+    features: list[Feature]
+    stats: dict[str, Any] = field(default_factory=dict)
+
+    def __str__(self) -> str:
+        lines = [self.scene]
+        for title, needed in (("in", True), ("left out", False)):
+            lines.append(f"\n{title}")
+            chosen = [feature for feature in self.features if feature.needed is needed]
+            for feature in chosen:
+                cost = "" if feature.cost is None else f"x {feature.cost:.2f}"
+                lines.append(f"  {feature.name:<16}{cost:>8}  {feature.meaning}"
+                             + (f": {feature.counters}" if feature.counters else ""))
+            if not chosen:
+                lines.append("  nothing")
+        if self.stats:
+            width, height = _TRIAL["size"]
+            lines.append(f"\nmeasured on {width} x {height} pixels and {_TRIAL['photons']} photons, "
+                         f"{self.stats['seconds_total']:.3f} s; x: seconds with it over seconds without")
+        return "\n".join(lines)
+
+
+def explain(scene: Scene, measure: bool = True) -> Explanation:
+    """Say what a scene needs and what is left out for it.
+
+    Parameters
+    ----------
+    scene : Scene
+    measure : bool
+        Render trials of a small picture to fill in counters and costs; needs a camera, takes seconds.
+
+    Returns
+    -------
+    Explanation
+    """
+    wavelengths = resolve(scene.render_defaults).wavelengths
+    needed, _ = feature_names(scene._use().features(wavelengths))
+    stats: dict[str, Any] = {}
+    costs: dict[str, float] = {}
+    if measure and scene.camera is not None and scene.lights:
+        stats = _trial(scene)
+        costs = _costs(scene, stats)
+    features = [Feature(name, name in needed, meaning, _counters(name, stats), costs.get(name))
+                for name, meaning in _MEANING.items()]
+    return Explanation(_described(scene, wavelengths), features, stats)
+
+
+def _described(scene: Scene, wavelengths: Any) -> str:
+    triangles = sum(len(shape.faces) for shape in scene.shapes if shape.faces is not None)
+    return (f"{scene.medium!r}, {len(scene.media)} bounded media, {len(scene.shapes)} shapes ({triangles} triangles), "
+            f"{len(scene.lights)} lights, {len(wavelengths)} bins")
+
+
+def _trial(scene: Scene, **options: Any) -> dict[str, Any]:
+    """Stats of the fastest of a few small renders."""
+    runs = [render(scene, **_TRIAL, **options).stats for _ in range(_REPEATS)]
+    return min(runs, key=lambda stats: stats["seconds_total"])
+
+
+def _costs(scene: Scene, base: dict[str, Any]) -> dict[str, float]:
+    """Seconds with each feature over seconds without, where a scene that differs in just that can be made."""
+    costs: dict[str, float] = {}
+    for name, variant in _VARIANTS.items():
+        changed = variant(scene)
+        if changed is None:
+            continue
+        stats = _trial(changed)
+        is_in, was_in = name in stats["features"], name in base["features"]
+        if is_in != was_in:
+            ratio = stats["seconds_total"] / base["seconds_total"]
+            costs[name] = ratio if is_in else 1.0 / ratio
+    if "projection" in base["features"]:
+        costs["projection"] = base["seconds_total"] / _trial(scene, projection=False)["seconds_total"]
+    return costs
+
+
+def _small_thing(scene: Scene) -> tuple[Any, float]:
+    """Centre and radius of something too small to matter, in the middle of the scene."""
+    corners = [shape.extent for shape in scene.shapes] or [(np.zeros(3), np.ones(3))]
+    low, high = np.min([c[0] for c in corners], axis=0), np.max([c[1] for c in corners], axis=0)
+    return 0.5 * (low + high), 1e-3 * float(np.linalg.norm(high - low))
+
+
+def _bent(scene: Scene, **integrator: Any) -> Scene | None:
+    """The scene in a medium that bends rays by next to nothing."""
+    if not isinstance(scene.medium, media.Homogeneous):
+        return None
+    n, _ = scene.medium.evaluate((0.0, 0.0, 0.0))
+    return scene.copy(medium=media.LinearSquared(float(n[0]) ** 2, (0.0, 1e-6, 0.0)), **integrator)
+
+
+def _with_mirror(scene: Scene) -> Scene:
+    changed = scene.copy()
+    changed.add_sphere(*_small_thing(scene), Mirror())
+    return changed
+
+
+def _with_sphere(scene: Scene) -> Scene:
+    changed = scene.copy()
+    changed.add_sphere(*_small_thing(scene), Black())
+    return changed
+
+
+def _without_exact(scene: Scene) -> Scene | None:
+    return _bent(scene, exclude=("exact",)) or scene.copy(exclude=("exact",))
+
+
+_VARIANTS: dict[str, Callable[[Scene], Scene | None]] = {
+    "curved": _bent,
+    "exact": _bent,
+    "integrator": _without_exact,
+    "specular": _with_mirror,
+    "spheres": _with_sphere,
+}
+
+
+def _counters(name: str, stats: dict[str, Any]) -> str:
+    """The counters that show a feature at work, or its absence."""
+    if not stats:
+        return ""
+    if name in ("curved", "integrator"):
+        return f"{stats['photon_evaluations'] + stats['eye_evaluations']} gradient evaluations"
+    if name == "specular":
+        return (f"{stats['photons_stored_caustic']} caustic photons, {stats['bytes_caustic']} bytes, "
+                f"{stats['projection_caustic_cells']} projection cells")
+    if name == "projection":
+        return (f"{stats['projection_active']} of {stats['projection_cells']} cells active, "
+                f"{1e3 * stats['seconds_project']:.1f} ms")
+    return ""

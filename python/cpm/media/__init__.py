@@ -1,0 +1,20 @@
+"""Media: refractive index fields n(r, λ).
+
+==================  ============================================  ==============================
+``Homogeneous``     constant n                                    straight; no integrator runs
+``LinearSquared``   n² linear in position                         exact: parabolas
+``Linear``          n linear in position                          exact: catenaries
+``Layered``         table of height                               exact where ``"linear-squared"``
+``Grid``            samples on a grid                             integrated
+==================  ============================================  ==============================
+
+One module a medium: parabolic, Luneburg, fish-eye, Eaton, sources, expressions and atmospheres take their places
+beside these.
+"""
+from ._base import Medium, as_medium
+from .grid import Grid
+from .homogeneous import Homogeneous
+from .layered import Layered
+from .linear import Linear, LinearSquared
+
+__all__ = ["Grid", "Homogeneous", "Layered", "Linear", "LinearSquared", "Medium", "as_medium"]

@@ -1,0 +1,165 @@
+"""Curved rays drawn in a section of the scene."""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ._arrays import FloatArray
+from .lights import Area, Spot
+from .rays import trace
+from .scene import Scene
+from .settings import resolve
+from .status import feature_names
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["ray_picture"]
+
+#: Drawn where wavelengths part, nm and colour; else the middle one alone.
+_SPLIT = ((450.0, "tab:blue"), (550.0, "tab:green"), (650.0, "tab:red"))
+_SAMPLES = 256
+
+
+def ray_picture(scene: Scene, rays: int = 25, light: int | None = None) -> Figure:
+    """Paths from the lights to the first surface, in the plane through a light and what it is aimed at.
+
+    Parameters
+    ----------
+    scene : Scene
+    rays : int
+        From each light, in a fan over its cone.
+    light : int, optional
+        Only this one; default all (in the plane of the first).
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Edges of the scene in the plane in black, paths in colour; metres.
+    """
+    from matplotlib.collections import LineCollection
+    from matplotlib.figure import Figure
+
+    if rays < 1:
+        raise ValueError(f"rays is {rays}; at least 1 is needed")
+    lights = scene.lights if light is None else scene.lights[light : light + 1]
+    if not lights:
+        raise ValueError(f"light is {light}; the scene has {len(scene.lights)} lights")
+    section = _Section.through(scene, lights[0])
+
+    figure = Figure(figsize=(7.0, 6.0), layout="constrained")
+    axes = figure.add_subplot()
+    for wavelength, colour in _colours(scene):
+        for source in lights:
+            origin, directions = section.fan(source, rays)
+            paths = trace(scene, origin, directions, wavelength=wavelength, path=_SAMPLES).paths
+            axes.add_collection(LineCollection(list(section.flat(paths)), colors=colour, linewidths=0.7, alpha=0.8))
+    axes.add_collection(LineCollection(list(section.edges(scene)), colors="black", linewidths=1.6))
+    axes.autoscale()
+    axes.set_aspect("equal")
+    axes.set_xlabel(section.label(section.across))
+    axes.set_ylabel(section.label(section.up))
+    axes.set_title(f"section at {np.round(section.origin, 3).tolist()} m", fontsize=9)
+    return figure
+
+
+def _colours(scene: Scene) -> Any:
+    wavelengths = resolve(scene.render_defaults).wavelengths
+    needed, _ = feature_names(scene._use().features(wavelengths))
+    return _SPLIT if "dispersion" in needed else ((float(np.median(wavelengths)), "tab:orange"),)
+
+
+class _Section:
+    """A plane with axes ``across`` and ``up``."""
+
+    def __init__(self, origin: FloatArray, across: FloatArray, up: FloatArray) -> None:
+        self.origin, self.across, self.up = origin, across, up
+        self.normal = np.cross(across, up)
+
+    @classmethod
+    def through(cls, scene: Scene, light: Any) -> _Section:
+        """Through the light and its target (or the scene's middle), upright."""
+        origin, target = _source(light)
+        if target is None:
+            corners = [shape.extent for shape in scene.shapes] or [(origin, origin)]
+            target = 0.5 * (np.min([c[0] for c in corners], axis=0) + np.max([c[1] for c in corners], axis=0))
+        up = np.array(scene.camera.up if scene.camera is not None else (0.0, 1.0, 0.0), dtype=float)
+        up /= np.linalg.norm(up)
+        along = target - origin
+        across = along - (along @ up) * up
+        if np.linalg.norm(across) < 1e-9 * max(np.linalg.norm(along), 1e-300):  # straight down: any upright plane
+            across = np.cross(up, np.eye(3)[int(np.argmin(np.abs(up)))])
+        return cls(origin, across / np.linalg.norm(across), up)
+
+    def flat(self, points: FloatArray) -> FloatArray:
+        """(…, 3) to (…, 2), metres in the plane (its own origin has the world's coordinates along the axes)."""
+        return np.stack([points @ self.across, points @ self.up], axis=-1)
+
+    def fan(self, light: Any, count: int) -> tuple[FloatArray, FloatArray]:
+        """Origin and directions in the plane: over a spot's cone, over the full circle of a point."""
+        origin, target = _source(light)
+        if isinstance(light, Spot):
+            middle, half = target - origin, np.radians(min(light.cutoff, 180.0))
+        elif isinstance(light, Area):
+            middle, half = target - origin, 0.5 * np.pi
+        else:
+            middle, half = -self.up, np.pi
+        angle = np.arctan2(middle @ self.up, middle @ self.across)
+        # Middles of equal parts: no ray along the very edge of the cone, none twice at ±180°.
+        angles = angle + half * ((2.0 * np.arange(count) + 1.0) / count - 1.0)
+        directions = np.cos(angles)[:, None] * self.across + np.sin(angles)[:, None] * self.up
+        return np.broadcast_to(origin, directions.shape), directions
+
+    def edges(self, scene: Scene) -> FloatArray:
+        """Segments (K, 2, 2) in which the shapes meet the plane."""
+        segments = [np.zeros((0, 2, 2))]
+        for shape in scene.shapes:
+            found = self._of_sphere(shape) if shape.vertices is None else self._of_mesh(shape)
+            segments.append(self.flat(found))
+        return np.concatenate(segments)
+
+    def _of_mesh(self, shape: Any) -> FloatArray:
+        corners = shape.vertices[shape.faces]
+        # Vertices that lie in the plane are moved off it, so that each triangle has two sides cut or none.
+        sides = (corners - self.origin) @ self.normal
+        sides = np.where(np.abs(sides) < 1e-12, 1e-12, sides)
+        cut = (sides > 0) != (np.roll(sides, -1, axis=1) > 0)
+        crossed = cut.sum(axis=1) == 2
+        share = (sides / np.where(cut, sides - np.roll(sides, -1, axis=1), 1.0))[crossed]
+        points = corners[crossed] + share[..., None] * (np.roll(corners, -1, axis=1) - corners)[crossed]
+        return points[cut[crossed]].reshape(-1, 2, 3)
+
+    def _of_sphere(self, shape: Any) -> FloatArray:
+        height = (np.subtract(shape.center, self.origin)) @ self.normal
+        if abs(height) >= shape.radius:
+            return np.zeros((0, 2, 3))
+        turn = np.linspace(0.0, 2.0 * np.pi, 129)
+        ring = np.cos(turn)[:, None] * self.across + np.sin(turn)[:, None] * self.up
+        points = shape.center - height * self.normal + np.sqrt(shape.radius**2 - height**2) * ring
+        return np.stack([points[:-1], points[1:]], axis=1)
+
+    @staticmethod
+    def label(axis: FloatArray) -> str:
+        """"x, m" for an axis of the world, else its direction."""
+        for name, unit in zip("xyz", np.eye(3), strict=True):
+            if abs(abs(axis @ unit) - 1.0) < 1e-9:
+                return f"{name}, m" if axis @ unit > 0 else f"−{name}, m"
+        return f"along ({', '.join(f'{part:.2f}' for part in axis)}), m"
+
+
+def _source(light: Any) -> tuple[FloatArray, FloatArray | None]:
+    """Where a light's rays start, and what it is aimed at."""
+    if not isinstance(light, Area):
+        return np.array(light.position), np.array(light.target) if isinstance(light, Spot) else None
+    if light.shape.vertices is None:
+        return np.array(light.shape.center), None
+    corners = light.shape.vertices[light.shape.faces]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    middle = corners.mean(axis=1)
+    weights = np.linalg.norm(normals, axis=1)
+    center, normal = np.average(middle, axis=0, weights=weights), normals.sum(axis=0)
+    length = float(np.linalg.norm(normal))
+    # Off the surface, on its bright side, so that the fan does not start by hitting it.
+    offset = normal / length if length else np.zeros(3)
+    return center + 1e-6 * float(np.abs(corners).max()) * offset, center + offset

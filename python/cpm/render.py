@@ -1,0 +1,102 @@
+"""Pictures by photon mapping along curved rays."""
+from __future__ import annotations
+
+from typing import Any
+
+import numpy.typing as npt
+
+from . import _core
+from ._arrays import as_integer
+from ._progress import ProgressLike, reporting
+from .image import Image
+from .photons import Photons
+from .scene import Scene
+from .settings import resolve
+from .status import require_native
+
+__all__ = ["render"]
+
+
+def render(scene: Scene, size: tuple[int, int] | None = None, photons: int | Photons | None = None,
+           nearest: int | None = None, wavelengths: npt.ArrayLike | None = None, samples: int | None = None,
+           seed: int | None = None, backend: str = "native", precision: str = "double", *, threads: int = 0,
+           batch: int = 0, projection: bool = True, max_radius: float | None = None,
+           photon_map: Photons | None = None, progress: ProgressLike = False) -> Image:
+    """Render a scene.
+
+    Arguments left None come from ``scene.render_defaults`` (a scene file's [render]), then from the package.
+
+    Parameters
+    ----------
+    scene : Scene
+        With a camera.
+    size : (width, height), optional
+        Pixels; default 400 × 300.
+    photons : int or Photons, optional
+        Paths to emit, default 3 000 000; or photons traced before.
+    nearest : int, optional
+        Photons of each map in an estimate; default 150.
+    wavelengths : array_like, shape (bins,), optional
+        Bin centres, nm; default 16 bins of 400–700 nm. With photons traced before: theirs.
+    samples : int, optional
+        Eye rays a pixel; default 1.
+    seed : int, optional
+        Default 0. The picture does not depend on threads or batch.
+    backend : {"native"}
+    precision : {"double"}
+    threads, batch : int
+        0: chosen.
+    projection : bool
+        Emit only where something may be hit.
+    max_radius : float, optional
+        Bound on an estimate's disc, metres. Default: chosen for direct light, else the scene's diagonal.
+    photon_map : Photons, optional
+        Photons traced before; the same as giving them as ``photons``.
+    progress : bool or callable
+        True: a bar; a callable gets ``(stage, fraction)``.
+
+    Returns
+    -------
+    Image
+
+    Raises
+    ------
+    KeyboardInterrupt
+        Ctrl-C, within a second.
+
+    Notes
+    -----
+    H. W. Jensen's photon maps along curved rays: Gutierrez, Muñoz, Seron, Jimenez, "Global illumination in
+    inhomogeneous media based on curved photon mapping" (2004).
+    """
+    if not isinstance(scene, Scene):
+        raise TypeError(f"scene is {scene!r}; a cpm.Scene is needed")
+    require_native(backend, precision)
+    traced, count = _which_photons(photons, photon_map)
+    if traced is not None:
+        if wavelengths is not None:
+            raise ValueError("wavelengths are given with photons traced before; the picture has theirs")
+        wavelengths = traced.wavelengths
+    settings = resolve(scene.render_defaults, size=size, photons=count, nearest=nearest, wavelengths=wavelengths,
+                       samples=samples, seed=seed, max_radius=max_radius)
+    with reporting(progress) as report:
+        handle = _core.render(scene=scene._use(), photon_map=None if traced is None else traced._handle,
+                              width=settings.width, height=settings.height, photons=settings.photons,
+                              seed=settings.seed, wavelengths=settings.wavelengths, nearest=settings.nearest,
+                              samples=settings.samples, max_radius=settings.max_radius, projection=bool(projection),
+                              batch=as_integer(batch, "batch", 0, 2**31 - 1),
+                              threads=as_integer(threads, "threads", 0, 1024), progress=report)
+    return Image._of(handle)
+
+
+def _which_photons(photons: Any, photon_map: Photons | None) -> tuple[Photons | None, int | None]:
+    """Photons traced before, and a count to trace: at most one of them."""
+    if isinstance(photons, Photons):
+        if photon_map is not None and photon_map is not photons:
+            raise ValueError("photons and photon_map are both given; one of them is allowed")
+        return photons, None
+    if photon_map is not None and photons is not None:
+        raise ValueError(f"photons is {photons!r} and photon_map is given too; one of them is allowed")
+    if photon_map is not None and not isinstance(photon_map, Photons):
+        raise TypeError(f"photon_map is {photon_map!r}; what cpm.trace_photons returned is needed")
+    return photon_map, photons

@@ -1,0 +1,64 @@
+"""Triangles for shapes of scene files: quads, and mesh files through trimesh."""
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .._arrays import FloatArray
+from .models import QuadsTable, Transform
+
+#: What trimesh is asked for here.
+SUFFIXES = (".obj", ".ply", ".stl", ".gltf", ".glb")
+
+
+def quads(table: QuadsTable) -> tuple[FloatArray, np.ndarray]:
+    """Vertices and faces of parallelograms; two triangles each, with the normal a × b."""
+    corner, a, b = np.moveaxis(np.array(table.quads), 1, 0)
+    vertices = np.stack([corner, corner + a, corner + a + b, corner + b], axis=1).reshape(-1, 3)
+    first = 4 * np.arange(len(corner))[:, None]
+    return vertices, np.concatenate([first + np.array(half) for half in ((0, 1, 2), (0, 2, 3))])
+
+
+def load_mesh(path: Path, smooth: bool) -> tuple[FloatArray, np.ndarray, FloatArray | None]:
+    """Vertices, faces and, when ``smooth``, shading normals of a mesh file, as the file has them."""
+    if path.suffix.lower() not in SUFFIXES:
+        raise ValueError(f"suffix '{path.suffix}' ({', '.join(SUFFIXES)} are allowed)")
+    if not path.is_file():
+        raise ValueError("no such file")
+    import trimesh
+
+    try:
+        mesh: Any = trimesh.load_scene(path, process=False).to_mesh()
+    except Exception as error:  # trimesh's loaders raise whatever a broken file makes them trip over
+        raise ValueError(f"not a mesh that trimesh can read ({error})") from None
+    if not len(mesh.faces):
+        raise ValueError("holds no triangles")
+    if smooth:
+        mesh.merge_vertices(merge_tex=True, merge_norm=True)
+    normals = np.array(mesh.vertex_normals, dtype=float) if smooth else None
+    return np.array(mesh.vertices, dtype=float), np.array(mesh.faces), normals
+
+
+def transformed(vertices: FloatArray, normals: FloatArray | None,
+                transform: Transform) -> tuple[FloatArray, FloatArray | None]:
+    """Scale, rotate about x, then y, then z, translate."""
+    scale = np.broadcast_to(transform.scale, 3)
+    rotation = _rotation(transform.rotate)
+    moved = (vertices * scale) @ rotation.T + transform.translate
+    if normals is None:
+        return moved, None
+    turned = (normals / scale) @ rotation.T  # normals go with the inverse transpose
+    return moved, turned / np.linalg.norm(turned, axis=1, keepdims=True)
+
+
+def _rotation(degrees: tuple[float, float, float]) -> FloatArray:
+    turn = np.eye(3)
+    for axis, angle in enumerate(np.radians(degrees)):
+        i, j = (axis + 1) % 3, (axis + 2) % 3
+        about = np.eye(3)
+        about[i, i] = about[j, j] = np.cos(angle)
+        about[i, j], about[j, i] = -np.sin(angle), np.sin(angle)
+        turn = about @ turn
+    return turn

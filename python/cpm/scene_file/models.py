@@ -1,0 +1,351 @@
+"""The tables of a scene file. An unknown key, a missing one, a value of the wrong kind are refused here."""
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag, model_validator
+from pydantic_core import PydanticCustomError
+
+
+class Table(BaseModel):
+    """A TOML table with known keys."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _only_known_keys(cls, table: Any) -> Any:
+        if not isinstance(table, dict):
+            raise PydanticCustomError("not_a_table", "must be a table")
+        allowed = [field.alias or name for name, field in cls.model_fields.items()]
+        for key in table:
+            if key not in allowed:
+                raise PydanticCustomError("unknown_key", "unknown key (allowed: {allowed})",
+                                          {"key": key, "allowed": ", ".join(allowed)})
+        return table
+
+
+def _integral(value: Any) -> Any:
+    """3e6 is an integer here, as it is to anyone who writes it; true is not."""
+    return int(value) if isinstance(value, float) and value.is_integer() else value
+
+
+Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0)]
+NotNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0)]
+Integer = Annotated[int, Field(strict=True), BeforeValidator(_integral)]
+Text = Annotated[str, Field(strict=True, min_length=1)]
+Vector = tuple[Number, Number, Number]
+
+
+def _kind(value: Any) -> str | None:
+    """Tag of a value that may be a number, a name or a table."""
+    if isinstance(value, str):
+        return "<name>"
+    if isinstance(value, dict):
+        return "<table>"
+    return "<number>" if isinstance(value, (int, float)) and not isinstance(value, bool) else None
+
+
+def _number_name_or(table: Any, what: str) -> Any:
+    """A union of a number, a name and a table, whose errors are those of the branch that was meant."""
+    kinds = Discriminator(_kind, custom_error_type="kind", custom_error_message=f"must be {what}")
+    members = (Annotated[Number, Tag("<number>")] | Annotated[Text, Tag("<name>")]
+               | Annotated[table, Tag("<table>")])
+    return Annotated[members, kinds]
+
+
+def _exactly_one(table: Table, *names: str) -> None:
+    given = [name for name in names if getattr(table, name) is not None]
+    if len(given) != 1:
+        raise PydanticCustomError("exactly_one", "exactly one of {names} is needed", {"names": ", ".join(names)})
+
+
+# Spectra.
+
+class SpectrumTable(Table):
+    """A name, a table of values, or a file of two columns; times ``scale``."""
+
+    name: Text | None = None
+    wavelengths: list[Number] | None = None
+    values: list[Number] | None = None
+    file: Text | None = None
+    scale: Number = 1.0
+
+    @model_validator(mode="after")
+    def _one_source(self) -> SpectrumTable:
+        _exactly_one(self, "name", "values", "file")
+        if (self.values is None) != (self.wavelengths is None):
+            raise PydanticCustomError("pair", "wavelengths and values belong together")
+        return self
+
+
+Spectrum = _number_name_or(SpectrumTable, "a number, a name or a table of name, wavelengths and values, or file")
+
+
+# Dispersion and media.
+
+class SellmeierTable(Table):
+    B: list[Number]
+    C: list[Number]
+
+
+class TabulatedTable(Table):
+    wavelengths: list[Number]
+    n: list[Number]
+
+
+class DispersionTable(Table):
+    """One of the models of cpm.dispersion."""
+
+    constant: Number | None = None
+    cauchy: Annotated[list[Number], Field(min_length=1)] | None = None
+    sellmeier: SellmeierTable | None = None
+    tabulated: TabulatedTable | None = None
+    catalogue: Text | None = None
+    range: tuple[Number, Number] | None = None
+    extrapolate: Annotated[bool, Field(strict=True)] = False
+
+    @model_validator(mode="after")
+    def _one_model(self) -> DispersionTable:
+        _exactly_one(self, "constant", "cauchy", "sellmeier", "tabulated", "catalogue")
+        return self
+
+
+Index = _number_name_or(DispersionTable, "a number, a catalogue name or a dispersion")
+
+
+class BoxTable(Table):
+    type: Literal["box"] = "box"
+    low: Vector
+    high: Vector
+
+
+class BallTable(Table):
+    type: Literal["sphere"]
+    center: Vector
+    radius: Positive
+
+
+class ShapeBounds(Table):
+    shape: Text
+
+
+def _bounds_kind(value: Any) -> str | None:
+    if not isinstance(value, dict):
+        return None
+    return "<shape>" if "shape" in value else {"box": "<box>", "sphere": "<sphere>"}.get(value.get("type", "box"))
+
+
+BoundsTable = Annotated[
+    Annotated[BoxTable, Tag("<box>")] | Annotated[BallTable, Tag("<sphere>")] | Annotated[ShapeBounds, Tag("<shape>")],
+    Discriminator(_bounds_kind, custom_error_type="kind",
+                  custom_error_message="must have type 'box' or 'sphere', or shape = a shape's name")]
+
+
+class MediumTable(Table):
+    dispersion: Index | None = None
+    bounds: BoundsTable | None = None
+
+
+class HomogeneousTable(MediumTable):
+    type: Literal["homogeneous"]
+    n: Index = 1.0
+
+
+class LinearSquaredTable(MediumTable):
+    type: Literal["linear-squared"]
+    n_squared: Number
+    gradient: Vector
+    origin: Vector = (0.0, 0.0, 0.0)
+
+
+class LinearTable(MediumTable):
+    type: Literal["linear"]
+    n: Number
+    gradient: Vector
+    origin: Vector = (0.0, 0.0, 0.0)
+
+
+class LayeredTable(MediumTable):
+    type: Literal["layered"]
+    heights: list[Number]
+    n: list[Number]
+    up: Vector = (0.0, 1.0, 0.0)
+    origin: Vector = (0.0, 0.0, 0.0)
+    interpolation: Literal["cubic", "linear-squared", "step"] = "cubic"
+
+
+class GridTable(MediumTable):
+    type: Literal["grid"]
+    values: Text
+    origin: Vector = (0.0, 0.0, 0.0)
+    spacing: tuple[Positive, Positive, Positive] = (1.0, 1.0, 1.0)
+    interpolation: Literal["linear", "cubic"] = "cubic"
+    quantity: Literal["n", "density"] = "n"
+    gladstone_dale: Positive | None = None
+
+
+AnyMedium = Annotated[HomogeneousTable | LinearSquaredTable | LinearTable | LayeredTable | GridTable,
+                      Field(discriminator="type")]
+
+
+# Materials.
+
+class DiffuseTable(Table):
+    type: Literal["diffuse"]
+    reflectance: Spectrum
+
+
+class MirrorTable(Table):
+    type: Literal["mirror"]
+    reflectance: Spectrum = 1.0
+
+
+class BlackTable(Table):
+    type: Literal["black"]
+
+
+class DielectricTable(Table):
+    type: Literal["dielectric"]
+    interior: _number_name_or(AnyMedium, "a number, a catalogue name or a medium")  # type: ignore[valid-type]
+
+
+AnyMaterial = Annotated[DiffuseTable | MirrorTable | BlackTable | DielectricTable, Field(discriminator="type")]
+
+
+def _material_kind(value: Any) -> str | None:
+    return {str: "<name>", dict: "<table>"}.get(type(value))
+
+
+MaterialRef = Annotated[
+    Annotated[Text, Tag("<name>")] | Annotated[AnyMaterial, Tag("<table>")],
+    Discriminator(_material_kind, custom_error_type="kind", custom_error_message="must be a material's name or table")]
+
+
+# Shapes.
+
+class ShapeTable(Table):
+    name: Text | None = None
+    material: MaterialRef
+
+
+class QuadsTable(ShapeTable):
+    """Parallelograms: corner, edge a, edge b; the normal is a × b."""
+
+    type: Literal["quads"]
+    quads: Annotated[list[tuple[Vector, Vector, Vector]], Field(min_length=1)]
+
+
+class Transform(Table):
+    """In this order: scale, rotate (degrees about x, then y, then z), translate (metres)."""
+
+    scale: Number | Vector = 1.0
+    rotate: Vector = (0.0, 0.0, 0.0)
+    translate: Vector = (0.0, 0.0, 0.0)
+
+
+class MeshTable(ShapeTable):
+    type: Literal["mesh"]
+    file: Text
+    transform: Transform = Transform()
+    smooth: Annotated[bool, Field(strict=True)] = False
+
+
+class SphereTable(ShapeTable):
+    type: Literal["sphere"]
+    center: Vector
+    radius: Positive
+
+
+AnyShape = Annotated[QuadsTable | MeshTable | SphereTable, Field(discriminator="type")]
+
+
+# Lights, camera, render.
+
+class PointTable(Table):
+    type: Literal["point"]
+    position: Vector
+    intensity: Spectrum
+
+
+class SpotTable(Table):
+    type: Literal["spot"]
+    position: Vector
+    target: Vector
+    cutoff: Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0, le=180)]
+    intensity: Spectrum
+
+
+class AreaTable(Table):
+    type: Literal["area"]
+    shape: Text
+    radiance: Spectrum
+
+
+AnyLight = Annotated[PointTable | SpotTable | AreaTable, Field(discriminator="type")]
+
+
+class CameraTable(Table):
+    origin: Vector
+    target: Vector
+    up: Vector = (0.0, 1.0, 0.0)
+    fov: Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0, lt=180)] = 60.0
+
+
+class BinsTable(Table):
+    from_: Positive = Field(alias="from")
+    to: Positive
+    bins: Annotated[Integer, Field(ge=1, le=256)]
+
+
+def _wavelengths_kind(value: Any) -> str | None:
+    return {list: "<list>", dict: "<table>"}.get(type(value))
+
+
+Wavelengths = Annotated[
+    Annotated[list[Positive], Field(min_length=1, max_length=256), Tag("<list>")]
+    | Annotated[BinsTable, Tag("<table>")],
+    Discriminator(_wavelengths_kind, custom_error_type="kind",
+                  custom_error_message="must be a list of bin centres or a table of from, to and bins")]
+
+Pixels = Annotated[Integer, Field(ge=1, le=65536)]
+
+
+class RenderTable(Table):
+    """Defaults of cpm.render and cpm.trace_photons for this scene."""
+
+    size: tuple[Pixels, Pixels] | None = None
+    photons: Annotated[Integer, Field(ge=0, le=2**32 - 1)] | None = None
+    nearest: Annotated[Integer, Field(ge=2, le=2**31 - 1)] | None = None
+    wavelengths: Wavelengths | None = None
+    samples: Annotated[Integer, Field(ge=1, le=2**31 - 1)] | None = None
+    seed: Annotated[Integer, Field(ge=0, le=2**63 - 1)] | None = None
+    max_radius: Positive | None = None
+
+
+class IntegratorTable(Table):
+    """How curved paths are integrated: the arguments of cpm.Scene."""
+
+    method: Text = "auto"
+    exclude: list[Text] = []
+    rtol: Annotated[float, Field(strict=True, ge=1e-14, le=1)] | None = None
+    atol: NotNegative | None = None
+    step: Positive | None = None
+    max_step: Positive | None = None
+
+
+class SceneTable(Table):
+    """A whole scene file."""
+
+    format: Literal[1] = 1
+    medium: AnyMedium | None = None
+    extent: BoxTable | None = None
+    integrator: IntegratorTable = IntegratorTable()
+    spectra: dict[str, Spectrum] = {}
+    materials: dict[str, AnyMaterial] = {}
+    media: list[AnyMedium] = []
+    shapes: list[AnyShape] = []
+    lights: list[AnyLight] = []
+    camera: CameraTable | None = None
+    render: RenderTable = RenderTable()

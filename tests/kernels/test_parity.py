@@ -1,0 +1,231 @@
+"""One source, two compilers: every file of cl/ compiles on PoCL, and rays alone in a medium end with the same bits
+in the C library and in the kernel (DESIGN section 5), for each medium, method, width and precision.
+
+The C side goes through ctypes (native.py), so that these tests need a libcpm.so and no bindings.
+"""
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import native
+import numpy as np
+import pytest
+
+os.environ.setdefault("PYOPENCL_NO_CACHE", "1")
+cl = pytest.importorskip("pyopencl")
+
+ROOT = Path(__file__).resolve().parents[2]
+LIBRARY = native.find_library()
+needs_library = pytest.mark.skipif(LIBRARY is None, reason="no libcpm.so: build it, or set CPM_LIBRARY")
+FLAGS = "-cl-std=CL1.2 -cl-fp32-correctly-rounded-divide-sqrt -Werror"
+START = np.dtype([("r", "f8", 3), ("d", "f8", 3), ("scale", "f8"), ("length", "f8")])
+END = np.dtype([("r", "f8", 3), ("p", "f8", 3), ("length", "f8"), ("optical_path", "f8"), ("drift", "f8"), ("error", "f8"),
+                ("evaluations", "f8"), ("steps", "f8"), ("rejected", "f8"), ("status", "i4"), ("reserved", "i4")])
+CONTROL = np.dtype([("method", "i4"), ("reserved", "i4"), ("rtol", "f8"), ("atol", "f8"), ("step", "f8"), ("max_step", "f8"),
+                    ("max_evaluations", "f8"), ("lenient", "f8"), ("first", "f8")])
+GOAL = np.dtype([("length", "f8"), ("point", "f8", 3), ("normal", "f8", 3), ("max_evaluations", "f8")])
+
+
+@pytest.fixture(scope="session")
+def context():
+    platforms = cl.get_platforms()
+    if not platforms:
+        pytest.skip("no OpenCL platform")
+    return cl.Context([platforms[0].get_devices()[0]])
+
+
+@pytest.fixture(scope="session")
+def library():
+    return native.Library(LIBRARY)
+
+
+def build(context, source, **values):
+    flags = [*FLAGS.split(), f"-I{ROOT / 'cl'}", *(f"-D{k}={v}" for k, v in values.items())]
+    return cl.Program(context, source).build(flags)
+
+
+# ------------------------------------------------------------------------------------------------------ compiles alone
+
+SHARED = sorted(p.relative_to(ROOT / "cl").as_posix() for d in ("types", "shared") for p in (ROOT / "cl" / d).glob("*.h")
+                if not p.name.endswith("_body.h"))
+KERNELS = sorted(p.relative_to(ROOT / "cl").as_posix() for p in (ROOT / "cl" / "kernels").glob("*.cl"))
+
+
+@pytest.mark.parametrize("name", SHARED)
+@pytest.mark.parametrize(("width", "single"), [(1, 0), (8, 0), (8, 1)])
+def test_header_compiles_alone(context, name, width, single):
+    """Each header of cl/ includes what it needs, in OpenCL C as in C."""
+    build(context, f'#include "{name}"\n__kernel void nothing(__global int *x) {{ x[0] = 1; }}\n', CPM_WIDTH=width, CPM_SINGLE=single)
+
+
+@pytest.mark.parametrize("name", KERNELS)
+@pytest.mark.parametrize("values", [{}, {"CPM_WIDTH": 4}, {"CPM_WIDTH": 8, "CPM_SINGLE": 1}] +
+                         [{"CPM_WIDTH": 8, "CPM_MEDIA": 1 << kind} for kind in range(5)], ids=str)
+def test_kernel_compiles(context, name, values):
+    """Each kernel file, for every medium compiled in alone and for all together."""
+    build(context, (ROOT / "cl" / name).read_text(), **values)
+
+
+# ----------------------------------------------------------------------------------------------------------- same bits
+
+def heights_and_n():
+    h = np.concatenate([np.linspace(-3, -0.5, 6), np.linspace(-0.4, 0.4, 33), np.linspace(0.6, 3, 5)])
+    return h, 1.25 + 0.1 * np.tanh(2 * h) + 0.01 * np.sin(5 * h)
+
+
+def samples():
+    x, y, z = np.meshgrid(np.linspace(-1, 1, 9), np.linspace(-1, 1, 11), np.linspace(-1, 1, 8), indexing="ij")
+    return 1.2 + 0.2 * np.exp(-(x * x + 1.5 * y * y + z * z + 0.3 * x * y))
+
+
+SPACING = (2 / 8, 2 / 10, 2 / 7)
+MEDIA = {
+    "homogeneous": lambda L: L.homogeneous(1.33),
+    "linear-squared": lambda L: L.linear_squared(1.69, (0.03, -0.1, 0.02), (0.1, 0.2, -0.3)),
+    "linear": lambda L: L.linear(1.3, (0.03, -0.1, 0.02), (0.1, 0.2, -0.3)),
+    "layered-cubic": lambda L: L.layered(*heights_and_n(), 1, up=(0.1, 1, 0.2)),
+    "layered-linear-squared": lambda L: L.layered(*heights_and_n(), 2, up=(0.1, 1, 0.2)),
+    "layered-step": lambda L: L.layered(*heights_and_n(), 3, up=(0.1, 1, 0.2)),
+    "grid-linear": lambda L: L.grid(samples(), (-1, -1, -1), SPACING, 0),
+    "grid-cubic": lambda L: L.grid(samples(), (-1, -1, -1), SPACING, 1),
+}
+METHODS = {"exact": {}, "euler": {"rtol": 1e-2}, "rk4": {"step": 0.1, "rtol": 1e-6}, "dopri5": {"rtol": 1e-7}, "fixed": {"step": 0.2, "rtol": 1e-6}}
+EXACT = {"homogeneous", "linear-squared", "linear", "layered-linear-squared", "layered-step"}
+ONLY_EXACT = {"homogeneous", "layered-step"}
+CASES = [(m, k) for m in MEDIA for k in METHODS if (k == "exact" and m in EXACT) or (k != "exact" and m not in ONLY_EXACT)]
+COUNT = 61
+
+
+def rays():
+    rng = np.random.default_rng(7)
+    return rng.uniform(-1, 1, (COUNT, 3)), rng.normal(size=(COUNT, 3)), rng.uniform(0.5, 4, COUNT)
+
+
+def on_device(context, program, medium, library, method, length=None, until=None, single=False, rtol=1e-6, step=0.0, path=0):
+    """What the kernel gives for rays(), as a structured array, and the samples of the paths."""
+    data, table = library.inside(medium)
+    o, d, lengths = rays()
+    starts, control, goal = np.zeros(COUNT, START), np.zeros(1, CONTROL), np.zeros(1, GOAL)
+    starts["r"], starts["scale"] = o, 1.0
+    starts["d"] = d / np.sqrt(d[:, 0] * d[:, 0] + d[:, 1] * d[:, 1] + d[:, 2] * d[:, 2])[:, None]
+    starts["length"] = lengths if length else -1.0
+    if until is not None:
+        goal["point"], goal["normal"] = until
+    number = {"exact": 1, "euler": 2, "rk4": 3, "dopri5": 4, "fixed": 4}[method]
+    quarter = np.sqrt(np.sqrt(rtol))
+    control["method"], control["rtol"], control["step"], control["max_step"] = number, rtol, step, 1e38 if single else 1e300
+    control["lenient"] = 1.0 if number == 2 else max(1.0, 0.56 / np.sqrt(quarter))
+    control["first"] = 3.0 * rtol if number == 2 else 4.5 * quarter
+    control["max_evaluations"] = goal["max_evaluations"] = 1e6
+    queue, flags = cl.CommandQueue(context), cl.mem_flags
+    ends, positions = np.zeros(COUNT, END), np.zeros((COUNT, max(path, 1), 3))
+    buffers = [cl.Buffer(context, flags.READ_ONLY | flags.COPY_HOST_PTR, hostbuf=x) for x in (np.frombuffer(bytes(data), np.uint8), table, control, goal, starts)]
+    out, samples_out = (cl.Buffer(context, flags.READ_WRITE | flags.COPY_HOST_PTR, hostbuf=x) for x in (ends, positions))
+    share = 24
+    for count in (0, path) if path else (0,):  # the second time for the samples, whose spacing the first has found
+        program.cpm_trace(queue, (-(-COUNT // share),), None, *buffers, out, samples_out, np.int64(count), np.int64(COUNT), np.int64(share))
+    cl.enqueue_copy(queue, ends, out)
+    cl.enqueue_copy(queue, positions, samples_out)
+    queue.finish()
+    return ends, positions
+
+
+@pytest.fixture(scope="session")
+def programs(context):
+    made = {}
+
+    def get(width, single=0):
+        key = width, single
+        if key not in made:
+            made[key] = build(context, (ROOT / "cl/kernels/trace.cl").read_text(), CPM_WIDTH=width, CPM_SINGLE=single)
+        return made[key]
+
+    return get
+
+
+def same(device, host, exact):
+    np.testing.assert_array_equal(device["r"], host.position)
+    np.testing.assert_array_equal(device["p"], host.momentum)
+    for name in ("length", "optical_path", "evaluations", "steps", "rejected", "status") + (() if exact else ("drift",)):
+        np.testing.assert_array_equal(device[name], getattr(host, name), err_msg=name)
+
+
+@needs_library
+@pytest.mark.parametrize(("medium", "method"), CASES)
+@pytest.mark.parametrize(("width", "single"), [(8, 0), (1, 0), (8, 1)])
+def test_same_bits_by_length(context, programs, library, medium, method, width, single):
+    """Position, momentum, lengths, counts and status, to the last bit, over an arc length of each ray's own."""
+    options = METHODS[method]
+    m = MEDIA[medium](library)
+    o, d, lengths = rays()
+    device, _ = on_device(context, programs(width, single), m, library, method, length=True, single=single, **options)
+    host = library.trace(m, o, d, length=lengths, method=method if method != "fixed" else "dopri5", single=single, **options)
+    same(device, host, method == "exact")
+    assert np.all(host.status == 0)
+
+
+@needs_library
+@pytest.mark.parametrize(("medium", "method"), CASES)
+def test_same_bits_to_a_plane(context, programs, library, medium, method):
+    """The same to the first crossing of a plane, with samples of the paths; rays that never cross it end alike too."""
+    if method in ("euler", "rk4", "fixed") or medium.startswith("grid"):
+        pytest.skip("rays that miss the plane would run to the bound on evaluations: covered by dopri5 and exact")
+    options = METHODS[method]
+    m = MEDIA[medium](library)
+    o, d, _ = rays()
+    d[:, 1] = np.where(o[:, 1] > 0, -1, 1) * (np.abs(d[:, 1]) + 0.5)
+    plane = np.array([0.1, 0.05, 0.0]), np.array([0.0, 1.0, 0.0])
+    before = globals()["rays"]
+    try:
+        globals()["rays"] = lambda: (o, d, None)
+        device, positions = on_device(context, programs(8), m, library, method, until=plane, path=5, **options)
+    finally:
+        globals()["rays"] = before
+    host = library.trace(m, o, d, until=plane, method=method, path=5, **options)
+    same(device, host, method == "exact")
+    np.testing.assert_array_equal(positions, host.paths)
+
+
+@needs_library
+@pytest.mark.parametrize("isa", ["baseline", "v3", "v4"])
+@pytest.mark.parametrize("medium", ["linear", "layered-cubic", "grid-linear", "grid-cubic"])
+def test_instruction_sets_agree(library, medium, isa, tmp_path):
+    """CPM_ISA=... in a process of its own, one thread: the bits of this process."""
+    import subprocess
+    import sys
+
+    script = ("import sys, numpy as np; sys.path.insert(0, sys.argv[1]); import native, test_parity as t\n"
+              "L = native.Library(native.find_library(), threads=1); o, d, l = t.rays()\n"
+              "for single in (0, 1):\n"
+              "    r = L.trace(t.MEDIA[sys.argv[2]](L), o, d, length=l, method='dopri5', rtol=1e-7, single=single)\n"
+              "    np.save(sys.argv[3] + str(single), np.hstack([r.position, r.momentum, r.evaluations[:, None]]))")
+    out = str(tmp_path / "out")
+    subprocess.run([sys.executable, "-c", script, str(Path(__file__).parent), medium, out], check=True,
+                   env={**os.environ, "CPM_ISA": isa, "CPM_LIBRARY": LIBRARY})
+    o, d, lengths = rays()
+    for single in (0, 1):
+        r = library.trace(MEDIA[medium](library), o, d, length=lengths, method="dopri5", rtol=1e-7, single=single)
+        np.testing.assert_array_equal(np.load(f"{out}{single}.npy"), np.hstack([r.position, r.momentum, r.evaluations[:, None]]))
+
+
+@needs_library
+@pytest.mark.parametrize("medium", MEDIA)
+@pytest.mark.parametrize("width", [1, 8])
+def test_field_same_bits(context, programs, library, medium, width):
+    """n at random points, inside and outside tables: kernel and cpm_medium_evaluate."""
+    m = MEDIA[medium](library)
+    data, table = library.inside(m)
+    points = np.random.default_rng(3).uniform(-4, 4, (64, 3))
+    if medium == "layered-step":
+        pytest.skip("discrete layers have no field")
+    packed, out = np.hstack([points, np.ones((64, 1))]), np.zeros((64, 4))
+    queue, flags = cl.CommandQueue(context), cl.mem_flags
+    buffers = [cl.Buffer(context, flags.READ_ONLY | flags.COPY_HOST_PTR, hostbuf=x) for x in (np.frombuffer(bytes(data), np.uint8), table, packed)]
+    result = cl.Buffer(context, flags.WRITE_ONLY, out.nbytes)
+    programs(width).cpm_evaluate(queue, (64 // width,), None, *buffers, result)
+    cl.enqueue_copy(queue, out, result)
+    queue.finish()
+    n, gradient = library.evaluate(m, points)
+    np.testing.assert_array_equal(out[:, 0], n)
+    np.testing.assert_array_equal(out[:, 1:] / n[:, None], gradient)

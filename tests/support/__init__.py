@@ -1,0 +1,1 @@
+"""Scenes and statistics that several tests share; these do import `cpm`."""
