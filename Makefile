@@ -62,7 +62,7 @@ test: setup test-c
 	$(BIN)/python -m pytest tests -m "not long"
 
 test-long: setup test-c
-	$(BIN)/python -m pytest tests
+	$(BIN)/python -m pytest tests --long
 
 test-deep: sanitize fuzz
 

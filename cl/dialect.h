@@ -147,6 +147,29 @@ static inline real load_lanes(const scalar *p, size_t i) {
 static inline void store_lanes(real v, scalar *p, size_t i) { memcpy(p + i * CPM_WIDTH, &v, sizeof v); }
 #endif /* ------------------------------------------------------------------------------------------------ both sides */
 
+/* The bits of a real as integers, and back. */
+#if CPM_WIDTH == 1 && defined(__OPENCL_VERSION__)
+#define bits_of(x) CPM_GLUE(as_, CPM_INTEGER)(x)
+#define real_of(m) CPM_GLUE(as_, CPM_SCALAR)(m)
+#elif CPM_WIDTH == 1
+static inline mask bits_of(real x) {
+    mask bits;
+    memcpy(&bits, &x, sizeof bits);
+    return bits;
+}
+static inline real real_of(mask bits) {
+    real x;
+    memcpy(&x, &bits, sizeof x);
+    return x;
+}
+#elif defined(__OPENCL_VERSION__)
+#define bits_of(x) CPM_GLUE(as_, CPM_GLUE(CPM_INTEGER, CPM_WIDTH))(x)
+#define real_of(m) CPM_GLUE(as_, CPM_GLUE(CPM_SCALAR, CPM_WIDTH))(m)
+#else
+#define bits_of(x) ((mask)(x))
+#define real_of(m) ((real)(m))
+#endif
+
 #define less(a, b) CPM_BOOL((a) < (b))
 #define at_most(a, b) CPM_BOOL((a) <= (b))
 #define equal(a, b) CPM_BOOL((a) == (b))
@@ -181,43 +204,74 @@ CPM_INLINE real3 pick3(mask m, real3 a, real3 b) {
     return triple(pick(m, a.x, b.x), pick(m, a.y, b.y), pick(m, a.z, b.z));
 }
 
+#define CPM_MAGIC (CPM_SINGLE ? R(12582912.0) : R(6755399441055744.0)) /* 1.5 x 2^23, 1.5 x 2^52 */
 /* floor of |x| < 2^51 (2^22 single) by the rounding of an addition: no library call at baseline x86-64. */
 CPM_INLINE real floor_lanes(real x) {
-    const scalar magic = CPM_SINGLE ? R(12582912.0) : R(6755399441055744.0); /* 1.5 x 2^23, 1.5 x 2^52 */
-    real nearest = (x + magic) - magic;
+    real nearest = (x + CPM_MAGIC) - CPM_MAGIC;
     return nearest - pick(less(x, nearest), splat(1.0), splat(0.0));
 }
 
-/* table[index] for each lane; four neighbours table[index..index + 3] for each lane. Tables are doubles always. */
+/* log2 and 2^x to 6 %, for step sizes: the bits of a positive number are its logarithm, linear between powers of two. */
+#define CPM_ROUGH_SHIFT (CPM_SINGLE ? 9 : 13) /* so that exponent and mantissa fit where an addition of magic is exact */
+#define CPM_ROUGH_ONE (CPM_SINGLE ? R(16384.0) : R(549755813888.0)) /* 2^14, 2^39: one power of two */
+#define CPM_ROUGH_BIAS (CPM_SINGLE ? R(127.0) : R(1023.0))
+CPM_INLINE real log2_rough(real x) {
+    mask bits = (bits_of(x) >> CPM_ROUGH_SHIFT) + bits_of(splat(CPM_MAGIC));
+    return (real_of(bits) - CPM_MAGIC) * (R(1.0) / CPM_ROUGH_ONE) - CPM_ROUGH_BIAS;
+}
+CPM_INLINE real exp2_rough(real y) { /* |y| <= 100 */
+    real t = (y + CPM_ROUGH_BIAS) * CPM_ROUGH_ONE + CPM_MAGIC;
+    return real_of((bits_of(t) - bits_of(splat(CPM_MAGIC))) << CPM_ROUGH_SHIFT);
+}
+
+/* Look-ups by a per-lane index. Tables are doubles always. `cpm_rows` are places in a table, one a lane, which offsets that
+ * are the same for all lanes start from; fetch4 takes four neighbours. */
+typedef struct {
+    CPM_GLOBAL const double *at[CPM_WIDTH];
+} cpm_rows;
 #if CPM_WIDTH == 1
-CPM_INLINE real fetch(CPM_GLOBAL const double *table, mask index) { return (real)table[index]; }
-CPM_INLINE void fetch4(CPM_GLOBAL const double *table, mask index, real *out) {
-    for (int k = 0; k < 4; k++) out[k] = (real)table[index + k];
+CPM_INLINE cpm_rows rows_at(CPM_GLOBAL const double *table, mask index) {
+    cpm_rows rows;
+    rows.at[0] = table + index;
+    return rows;
+}
+CPM_INLINE real fetch(const cpm_rows *rows, integer offset) { return (real)rows->at[0][offset]; }
+CPM_INLINE void fetch4(const cpm_rows *rows, integer offset, real *out) {
+    for (int k = 0; k < 4; k++) out[k] = (real)rows->at[0][offset + k];
 }
 #elif defined(__OPENCL_VERSION__)
-CPM_INLINE real fetch(CPM_GLOBAL const double *table, mask index) { /* vstore, loop, vload: 4 x a lane by pointer */
+CPM_INLINE cpm_rows rows_at(CPM_GLOBAL const double *table, mask index) { /* vstore, loop: 4 x a lane by pointer */
+    cpm_rows rows;
     integer at[CPM_WIDTH];
-    scalar value[CPM_WIDTH];
     CPM_GLUE(vstore, CPM_WIDTH)(index, 0, at);
 #pragma unroll
-    for (int i = 0; i < CPM_WIDTH; i++) value[i] = (scalar)table[at[i]];
+    for (int i = 0; i < CPM_WIDTH; i++) rows.at[i] = table + at[i];
+    return rows;
+}
+CPM_INLINE real fetch(const cpm_rows *rows, integer offset) {
+    scalar value[CPM_WIDTH];
+#pragma unroll
+    for (int i = 0; i < CPM_WIDTH; i++) value[i] = (scalar)rows->at[i][offset];
     return CPM_GLUE(vload, CPM_WIDTH)(0, value);
 }
-CPM_INLINE void fetch4(CPM_GLOBAL const double *table, mask index, real *out) {
-    integer at[CPM_WIDTH];
+CPM_INLINE void fetch4(const cpm_rows *rows, integer offset, real *out) {
     scalar value[4 * CPM_WIDTH];
-    CPM_GLUE(vstore, CPM_WIDTH)(index, 0, at);
 #pragma unroll
     for (int i = 0; i < CPM_WIDTH; i++)
 #pragma unroll
-        for (int k = 0; k < 4; k++) value[k * CPM_WIDTH + i] = (scalar)table[at[i] + k];
+        for (int k = 0; k < 4; k++) value[k * CPM_WIDTH + i] = (scalar)rows->at[i][offset + k];
 #pragma unroll
     for (int k = 0; k < 4; k++) out[k] = CPM_GLUE(vload, CPM_WIDTH)(k, value);
 }
 #else
-CPM_INLINE real fetch(const double *table, mask index) {
+CPM_INLINE cpm_rows rows_at(const double *table, mask index) {
+    cpm_rows rows;
+    for (int i = 0; i < CPM_WIDTH; i++) rows.at[i] = table + index[i];
+    return rows;
+}
+CPM_INLINE real fetch(const cpm_rows *rows, integer offset) {
     real v = splat(0.0);
-    for (int i = 0; i < CPM_WIDTH; i++) v[i] = (scalar)table[index[i]];
+    for (int i = 0; i < CPM_WIDTH; i++) v[i] = (scalar)rows->at[i][offset];
     return v;
 }
 /* Rows of four by lane, transposed in registers: lanes 2k and 2k + 1, then pairs of pairs. */
@@ -228,14 +282,14 @@ CPM_INLINE cpm_row4 cpm_row_at(const double *p) {
     return row;
 }
 #if CPM_WIDTH == 2
-CPM_INLINE void fetch4(const double *table, mask index, real *out) {
-    cpm_row4 a = cpm_row_at(table + index[0]), b = cpm_row_at(table + index[1]);
+CPM_INLINE void fetch4(const cpm_rows *rows, integer offset, real *out) {
+    cpm_row4 a = cpm_row_at(rows->at[0] + offset), b = cpm_row_at(rows->at[1] + offset);
     for (int k = 0; k < 4; k++) out[k] = (real){(scalar)a[k], (scalar)b[k]};
 }
 #else
-CPM_INLINE void cpm_transpose4(const double *table, mask index, int first, cpm_row4 out[4]) {
-    cpm_row4 a = cpm_row_at(table + index[first]), b = cpm_row_at(table + index[first + 1]);
-    cpm_row4 c = cpm_row_at(table + index[first + 2]), d = cpm_row_at(table + index[first + 3]);
+CPM_INLINE void cpm_transpose4(const cpm_rows *rows, integer offset, int first, cpm_row4 out[4]) {
+    cpm_row4 a = cpm_row_at(rows->at[first] + offset), b = cpm_row_at(rows->at[first + 1] + offset);
+    cpm_row4 c = cpm_row_at(rows->at[first + 2] + offset), d = cpm_row_at(rows->at[first + 3] + offset);
     cpm_row4 even_ab = __builtin_shufflevector(a, b, 0, 4, 2, 6), odd_ab = __builtin_shufflevector(a, b, 1, 5, 3, 7);
     cpm_row4 even_cd = __builtin_shufflevector(c, d, 0, 4, 2, 6), odd_cd = __builtin_shufflevector(c, d, 1, 5, 3, 7);
     out[0] = __builtin_shufflevector(even_ab, even_cd, 0, 1, 4, 5);
@@ -243,14 +297,14 @@ CPM_INLINE void cpm_transpose4(const double *table, mask index, int first, cpm_r
     out[2] = __builtin_shufflevector(even_ab, even_cd, 2, 3, 6, 7);
     out[3] = __builtin_shufflevector(odd_ab, odd_cd, 2, 3, 6, 7);
 }
-CPM_INLINE void fetch4(const double *table, mask index, real *out) {
+CPM_INLINE void fetch4(const cpm_rows *rows, integer offset, real *out) {
     cpm_row4 low[4];
-    cpm_transpose4(table, index, 0, low);
+    cpm_transpose4(rows, offset, 0, low);
 #if CPM_WIDTH == 4
     for (int k = 0; k < 4; k++) out[k] = __builtin_convertvector(low[k], real);
 #else
     cpm_row4 high[4];
-    cpm_transpose4(table, index, 4, high);
+    cpm_transpose4(rows, offset, 4, high);
     for (int k = 0; k < 4; k++)
         out[k] = __builtin_convertvector(__builtin_shufflevector(low[k], high[k], 0, 1, 2, 3, 4, 5, 6, 7), real);
 #endif

@@ -11,8 +11,8 @@ now=$(mktemp)
 trap 'rm -f "$now"' EXIT
 
 # No file names, lines or folders: the baseline says nothing about the machine that wrote it.
-abidw --headers-dir "$headers" --suppressions "$(dirname "$0")/abi.suppr" --exported-interfaces-only --no-show-locs --no-corpus-path --no-comp-dir-path \
-    --out-file "$now" "$library"
+abidw --headers-dir "$headers" --suppressions "$(dirname "$0")/abi.suppr" --exported-interfaces-only \
+    --no-show-locs --no-corpus-path --no-comp-dir-path --no-elf-needed --out-file "$now" "$library"
 case $command in
 write)
     mkdir -p "$4"

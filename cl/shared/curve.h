@@ -68,7 +68,25 @@ CPM_INLINE int cpm_curve_plane(const cpm_curve *k, cpm_vec point, cpm_vec normal
     double f[6];
     f[0] = cpm_vdot(cpm_sub(k->c[0], point), normal);
     for (int i = 1; i <= k->degree; i++) f[i] = cpm_vdot(k->c[i], normal);
-    if (leaving) return cpm_roots(f + 1, k->degree - 1, a < 0.0 ? 0.0 : a, b, roots);
+    if (leaving && a < 0.0) a = 0.0;
+    if (k->degree > 2) { /* mostly the slope outweighs the bending: one root at the most, or, leaving, none */
+        double bend = 0.0, turn = 0.0, power = 1.0;
+        for (int i = 2; i <= k->degree; i++) {
+            power *= b;
+            bend += fabs(f[i]) * power;
+            turn += i * fabs(f[i]) * power;
+        }
+        if (leaving && fabs(f[1]) > bend) return 0;
+        if (!leaving && a >= 0.0 && fabs(f[1]) > turn) {
+            double fa = cpm_polynomial(f, k->degree, a), fb = cpm_polynomial(f, k->degree, b);
+            if (fb != 0.0 && (fa > 0.0) == (fb > 0.0) && fa != 0.0) return 0;
+            if (fa != 0.0 && fb != 0.0) {
+                roots[0] = cpm_root_bracketed(f, k->degree, a, b, fa / (fa - fb), fa > 0.0 ? 1 : -1);
+                return 1;
+            }
+        }
+    }
+    if (leaving) return cpm_roots(f + 1, k->degree - 1, a, b, roots);
     return cpm_roots(f, k->degree, a, b, roots);
 }
 
@@ -91,6 +109,34 @@ CPM_INLINE double cpm_curve_triangle(const cpm_curve *k, const cpm_triangle *t, 
     for (int i = 0; i < count; i++)
         if (cpm_triangle_contains(t, cpm_curve_at(k, roots[i]), u, v)) return roots[i];
     return -2.0;
+}
+
+/* The part of a curve that a chord stands for: no point of it is farther from the chord than `off`. */
+typedef struct cpm_chord {
+    cpm_vec start, end; /* of the curve at a and b */
+    double off, a, b;
+} cpm_chord;
+
+/* As cpm_curve_triangle, for a triangle that the ray does not start on: most are told apart by the chord's ends. Both
+ * farther from the plane than the curve is from its chord, on one side: no root. On opposite sides, with the slope
+ * (end - start distance) beyond what curvature can turn (4 off): one root, bracketed. */
+CPM_INLINE double cpm_chord_triangle(const cpm_curve *k, const cpm_chord *chord, const cpm_triangle *t, double b,
+                                     double *u, double *v) {
+    cpm_vec corner = cpm_v(t->corner[0], t->corner[1], t->corner[2]);
+    cpm_vec n = cpm_v(t->normal[0], t->normal[1], t->normal[2]);
+    double da = cpm_vdot(cpm_sub(chord->start, corner), n), db = cpm_vdot(cpm_sub(chord->end, corner), n);
+    double off = chord->off * sqrt(cpm_vdot(n, n));
+    if ((da > off && db > off) || (da < -off && db < -off)) return -2.0;
+    if ((da > off && db < -off) || (da < -off && db > off)) {
+        if (fabs(db - da) > 5.0 * off && k->degree > 2) {
+            double f[6];
+            f[0] = cpm_vdot(cpm_sub(k->c[0], corner), n);
+            for (int i = 1; i <= k->degree; i++) f[i] = cpm_vdot(k->c[i], n);
+            double root = cpm_root_bracketed(f, k->degree, chord->a, chord->b, da / (da - db), da > 0.0 ? 1 : -1);
+            return root <= b && cpm_triangle_contains(t, cpm_curve_at(k, root), u, v) ? root : -2.0;
+        }
+    }
+    return cpm_curve_triangle(k, t, 0, chord->a, b, u, v);
 }
 
 /* First theta in (a, b] where |r - c|^2 = R^2; below -1: none. */

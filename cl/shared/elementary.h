@@ -36,42 +36,15 @@ CPM_INLINE double cpm_log1p(double x) {
 #define E_IS_DOUBLE (!CPM_SINGLE)
 #define E_C(x) R(x)
 #define E_PICK(c, a, b) pick(c, a, b)
-#if CPM_WIDTH > 1 && defined(__OPENCL_VERSION__)
-#define E_BITS(x) CPM_GLUE(as_, CPM_GLUE(CPM_INTEGER, CPM_WIDTH))(x)
-#define E_VALUE(i) CPM_GLUE(as_, CPM_GLUE(CPM_SCALAR, CPM_WIDTH))(i)
-#define E_LEFT(i, n) ((i) << (n))
-#define E_TRUE(c) (c)
-#elif CPM_WIDTH > 1
-#define E_BITS(x) ((mask)(x))
-#define E_VALUE(i) ((real)(i))
+#define E_BITS(x) bits_of(x)
+#define E_VALUE(i) real_of(i)
+#if CPM_WIDTH > 1
 #define E_LEFT(i, n) ((i) << (n))
 #define E_TRUE(c) (c)
 #elif CPM_SINGLE
-CPM_INLINE cpm_i32 cpm_float_bits(float x) {
-#ifdef __OPENCL_VERSION__
-    return as_int(x);
-#else
-    cpm_i32 bits;
-    memcpy(&bits, &x, sizeof bits);
-    return bits;
-#endif
-}
-CPM_INLINE float cpm_float_of(cpm_i32 bits) {
-#ifdef __OPENCL_VERSION__
-    return as_float(bits);
-#else
-    float x;
-    memcpy(&x, &bits, sizeof x);
-    return x;
-#endif
-}
-#define E_BITS(x) cpm_float_bits(x)
-#define E_VALUE(i) cpm_float_of(i)
 #define E_LEFT(i, n) ((cpm_i32)((cpm_u32)(i) << (n)))
 #define E_TRUE(c) (-(mask)(c))
 #else
-#define E_BITS(x) ((cpm_i64)cpm_bits_of(x))
-#define E_VALUE(i) cpm_double_of((cpm_u64)(i))
 #define E_LEFT(i, n) ((cpm_i64)((cpm_u64)(i) << (n)))
 #define E_TRUE(c) (-(mask)(c))
 #endif

@@ -21,7 +21,7 @@ CPM_INLINE int cpm_layer_at(const cpm_medium_data *m, CPM_GLOBAL const double *t
     return low;
 }
 CPM_INLINE double cpm_layer_record(const cpm_medium_data *m, CPM_GLOBAL const double *table, int layer, int k) {
-    return table[m->records + 4 * layer + k];
+    return table[m->records + CPM_RECORD * layer + k];
 }
 CPM_INLINE double cpm_layer_pull(const cpm_medium_data *m, CPM_GLOBAL const double *table, double scale, int layer) {
     return m->interpolation == CPM_FIELD_STEP ? 0.0 : 0.5 * scale * cpm_layer_record(m, table, layer, 1);

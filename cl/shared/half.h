@@ -16,7 +16,7 @@ CPM_INLINE float cpm_half_to_float(unsigned short half) {
     cpm_u32 magnitude = half & 0x7fffu, exponent = magnitude & 0x7c00u;
     cpm_float_bits normal, result;
     normal.bits = (magnitude << 13) + (112u << 23); /* bias 15 to bias 127 */
-    if (exponent == 0x7c00u) normal.bits += (112u << 23) | ((magnitude & 0x3ffu) ? 0x400000u : 0u);
+    if (exponent == 0x7c00u) normal.bits = 0x7f800000u | magnitude << 13 | ((magnitude & 0x3ffu) ? 0x400000u : 0u);
     result.value = (float)(int)magnitude * 5.9604644775390625e-8f; /* subnormal: in units of 2^-24 */
     if (exponent) result.bits = normal.bits;
     result.bits |= (cpm_u32)(half & 0x8000u) << 16;

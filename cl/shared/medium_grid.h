@@ -33,8 +33,9 @@ CPM_INLINE real3 cpm_field_grid_linear(const cpm_medium_data *m, CPM_GLOBAL cons
     cpm_cell x = cpm_cell_of(m, 0, r.x), y = cpm_cell_of(m, 1, r.y), z = cpm_cell_of(m, 2, r.z);
     const integer row = m->size[2] < 2 ? 2 : m->size[2], slab = row * (m->size[1] < 2 ? 2 : m->size[1]);
     mask at = splat_mask(m->records) + x.cell * splat_mask(slab) + y.cell * splat_mask(row) + z.cell;
+    cpm_rows rows = rows_at(table, at);
     real a[8]; /* corner 4 x + 2 y + z */
-    for (int k = 0; k < 8; k++) a[k] = fetch(table, at + splat_mask((k >> 2) * slab + ((k >> 1) & 1) * row + (k & 1)));
+    for (int k = 0; k < 8; k++) a[k] = fetch(&rows, (k >> 2) * slab + ((k >> 1) & 1) * row + (k & 1));
     real dz[4], f[4];
     for (int k = 0; k < 4; k++) dz[k] = a[2 * k + 1] - a[2 * k], f[k] = a[2 * k] + z.t * dz[k];
     real y0 = f[1] - f[0], y1 = f[3] - f[2], f0 = f[0] + y.t * y0, f1 = f[2] + y.t * y1;
@@ -66,6 +67,7 @@ CPM_INLINE real3 cpm_field_grid_cubic(const cpm_medium_data *m, CPM_GLOBAL const
     mask at = splat_mask(m->records) + x.cell * splat_mask(slab) + y.cell * splat_mask(row) + z.cell;
     real wx[4], wy[4], wz[4], dx[4], dy[4], dz[4], value = splat(0.0);
     real3 slope = triple(value, value, value);
+    cpm_rows rows = rows_at(table, at);
     cpm_bspline(x.t, wx, dx);
     cpm_bspline(y.t, wy, dy);
     cpm_bspline(z.t, wz, dz);
@@ -73,7 +75,7 @@ CPM_INLINE real3 cpm_field_grid_cubic(const cpm_medium_data *m, CPM_GLOBAL const
         real plane = splat(0.0), plane_y = plane, plane_z = plane;
         for (int j = 0; j < 4; j++) {
             real c[4];
-            fetch4(table, at + splat_mask(i * slab + j * row), c);
+            fetch4(&rows, i * slab + j * row, c);
             real line = wz[0] * c[0] + wz[1] * c[1] + wz[2] * c[2] + wz[3] * c[3];
             real line_z = dz[0] * c[0] + dz[1] * c[1] + dz[2] * c[2] + dz[3] * c[3];
             plane += wy[j] * line;

@@ -56,10 +56,10 @@ CPM_INLINE int cpm_sign_changes(const double *b, int degree, int *first) {
     return changes;
 }
 
-/* The root of q in (lo, hi), where q goes from the sign `first` to the other: Newton, or halving where Newton would
- * leave the bracket. */
-CPM_INLINE double cpm_root_bracketed(const double *q, int degree, double lo, double hi, int first) {
-    double t = 0.5 * (lo + hi);
+/* The root of q in (lo, hi), where q goes from the sign `first` to the other: Newton from `guess` (a part of the
+ * bracket), or halving where Newton would leave the bracket. */
+CPM_INLINE double cpm_root_bracketed(const double *q, int degree, double lo, double hi, double guess, int first) {
+    double t = lo + guess * (hi - lo);
     for (int i = 0; i < 100; i++) {
         double f = q[degree], df = 0.0;
         for (int k = degree - 1; k >= 0; k--) {
@@ -132,7 +132,7 @@ CPM_INLINE int cpm_roots(const double *f, int degree, double a, double b, double
             continue;
         }
         if (changes > 0 && count < degree) {
-            double u = changes > 1 ? 0.5 * (lo + hi) : cpm_root_bracketed(q, degree, lo, hi, first);
+            double u = changes > 1 ? 0.5 * (lo + hi) : cpm_root_bracketed(q, degree, lo, hi, 0.5, first);
             roots[count++] = a + w * u;
         }
         if (ends_on_root && count < degree) roots[count++] = a + w * hi;

@@ -10,8 +10,8 @@
  * a step is refused when it grows by more than 0.3 rtol cos a (cos a >= 0.03), far below the 10 rtol that would only
  * tell that a layer was stepped over. And when n^2 <= 0 was met at any stage the step is cut to a quarter.
  *
- * The next step follows the worst of the three ratios E by a PI controller whose powers need square roots only:
- * E grows as h^4 (dopri5): h E^(-3/16) E_before^(1/16); as h (euler): h E^(-3/4) E_before^(1/4). Gustafsson 1991.
+ * The next step follows the worst of the three ratios E by a PI controller (Gustafsson 1991); E grows as h^4 (dopri5):
+ * h E^(-3/16) E_before^(1/16); as h (euler): h E^(-3/4) E_before^(1/4). Rough logarithms serve.
  *
  * A ray ends by status: evaluations exhausted, no step small enough (64 refusals running, or a step that moves nothing),
  * cut-off: n below 1e-6 of its start, or a turn back through p = 0 (normal incidence on n = 0), left: 1e100 m gone. */
@@ -85,7 +85,7 @@ CPM_INLINE void cpm_lanes_begin(const cpm_step_control *c, const cpm_medium_data
         CPM_FRESH(drift_now, zero);
         CPM_FRESH(error, zero);
         CPM_FRESH(error_turn, zero);
-        CPM_FRESH(previous, splat(1.0));
+        CPM_FRESH(previous, zero);
         CPM_FRESH(refused, zero);
 #undef CPM_FRESH
         mask status = pick_mask(good, splat_mask(CPM_ENDED_GOING), splat_mask(CPM_ENDED_CUTOFF));
@@ -94,12 +94,12 @@ CPM_INLINE void cpm_lanes_begin(const cpm_step_control *c, const cpm_medium_data
     }
 }
 
-/* The sigma that brings the ray to its target length, to second order (l' = n, l'' = g . p/n). */
-CPM_INLINE real cpm_aim(const cpm_point *a, real remaining) {
-    real bent = a->n * a->n + R(2.0) * (dot3(a->g, a->p) / a->n) * remaining;
-    real direct = remaining / a->n;
-    real aim = R(2.0) * remaining / (a->n + root(larger(bent, splat(0.0))));
-    return pick(less(remaining, splat(1e-3 * CPM_INFINITE)), smaller(aim, R(2.0) * direct), splat(CPM_INFINITE));
+/* The sigma that brings the ray to its target length, to second order: l' = n, l'' = g . p/n, so that
+ * sigma = 2 d/(n + sqrt(n^2 + 2 d l'')) ~ d/(n + d l''/(2 n)), kept within a factor 2 of d/n. */
+CPM_INLINE real cpm_aim(const cpm_point *a, real inverse_n, real remaining) {
+    real bent = R(0.5) * remaining * dot3(a->g, a->p) * (inverse_n * inverse_n);
+    bent = larger(smaller(bent, a->n), R(-0.5) * a->n);
+    return pick(less(remaining, splat(1e-3 * CPM_INFINITE)), remaining / (a->n + bent), splat(CPM_INFINITE));
 }
 
 /* The least |p|^2 on the chord from p to q, and where (0..1): a turn back through p = 0 shows there. */
@@ -112,20 +112,14 @@ CPM_INLINE real cpm_least_momentum(real3 p, real3 q, real *where) {
     return dot3(least, least);
 }
 
-/* The factor to the next step for an accepted or refused ratio E of error to tolerance. */
+/* The factor to the next step from log2 of the ratio E of error to tolerance, now and at the step before. */
 CPM_INLINE real cpm_step_factor(const cpm_step_control *c, real ratio, real before, mask accepted, mask again) {
-    real e = larger(ratio, splat(1e-8)), second = root(e), quarter = root(second), keep, shrink;
-    if (c->method == CPM_STEP_EULER) {
-        keep = R(0.9) * root(root(before)) / (second * quarter);
-        shrink = R(0.9) / e;
-    } else {
-        real eighth = root(quarter);
-        keep = R(0.9) * root(root(root(root(before)))) / (eighth * root(eighth));
-        shrink = R(0.9) / quarter;
-    }
-    keep = larger(smaller(keep, pick(again, splat(1.0), splat(5.0))), splat(0.2));
-    shrink = larger(smaller(shrink, splat(0.9)), splat(0.1));
-    return pick(accepted, keep, shrink);
+    const int euler = c->method == CPM_STEP_EULER;
+    real keep = R(euler ? -0.75 : -0.1875) * ratio + R(euler ? 0.25 : 0.0625) * before - R(0.152); /* 0.9 = 2^-0.152 */
+    real shrink = R(euler ? -1.0 : -0.25) * ratio - R(0.152);
+    keep = larger(smaller(keep, pick(again, splat(0.0), splat(2.32))), splat(-2.32)); /* 1/5 to 5 */
+    shrink = larger(smaller(shrink, splat(-0.152)), splat(-3.32));
+    return exp2_rough(pick(accepted, keep, shrink));
 }
 
 CPM_INLINE void cpm_lanes_attempt_part(const cpm_step_control *c, const cpm_medium_data *m,
@@ -142,9 +136,9 @@ CPM_INLINE void cpm_lanes_attempt_part(const cpm_step_control *c, const cpm_medi
     cpm_point a;
     a.r = load3_doubles(rays->r, part), a.p = load3_doubles(rays->p, part), a.g = load3_doubles(rays->g, part);
     a.n = load_doubles(rays->n, part), a.scale = load_doubles(rays->scale, part);
-    const real length = load_doubles(rays->length, part), own = load_doubles(rays->h, part);
-    real bound = smaller(load_doubles(rays->limit, part), cpm_aim(&a, load_doubles(rays->target, part) - length));
-    bound = smaller(bound, R(c->max_step) / a.n);
+    const real length = load_doubles(rays->length, part), own = load_doubles(rays->h, part), inverse_n = one / a.n;
+    real bound = cpm_aim(&a, inverse_n, load_doubles(rays->target, part) - length);
+    bound = smaller(smaller(load_doubles(rays->limit, part), R(c->max_step) * inverse_n), bound);
     const real h = smaller(own, bound);
 
     cpm_trial t;
@@ -154,28 +148,38 @@ CPM_INLINE void cpm_lanes_attempt_part(const cpm_step_control *c, const cpm_medi
 
     /* How good is it? */
     const real n_start = load_doubles(rays->n_start, part), floor_n = R(CPM_CUTOFF) * n_start;
-    const real expected = load_doubles(rays->expected, part), rtol = splat(c->rtol);
-    real where;
-    mask turned = less(cpm_least_momentum(a.p, t.end.p, &where), floor_n * floor_n);
-    real way_error = pick(turned, zero, t.error_way); /* |p| has a kink there, n's quadrature is meaningless */
-    real off = root(t.error_position * t.error_position + way_error * way_error);
-    real turn = t.error_momentum / t.end.n;
-    real share = pick(less(zero, expected), smaller(t.way / larger(expected, splat(1e-30)), one), splat(0.1));
-    real drift = magnitude(root(dot3(t.end.p, t.end.p)) - t.end.n) / t.end.n;
-    real growth = drift - load_doubles(rays->drift_now, part);
-    real square = t.end.n * t.end.n;
+    const real per_square = one / (t.end.n * t.end.n), size = dot3(t.end.p, t.end.p);
+    real where = zero, way_error = t.error_way;
+    mask turned = less(dot3(a.p, t.end.p), zero); /* only then can the chord of p pass near 0 */
+    if (any_lane(turned)) {
+        turned &= less(cpm_least_momentum(a.p, t.end.p, &where), floor_n * floor_n);
+        way_error = pick(turned, zero, way_error); /* |p| has a kink there, n's quadrature is meaningless */
+    }
+    real off = root(t.error_position2 + way_error * way_error);
+    real turn = root(t.error_momentum2) * (t.end.n * per_square);
+    real drift2 = (size - t.end.n * t.end.n) * per_square;              /* |p|^2/n^2 - 1 */
+    real drift = magnitude(drift2) / (R(2.0) + R(0.5) * larger(drift2, -one)); /* sqrt(1 + x) - 1 to x^3/32 */
+    real growth = pick(turned, zero, drift - load_doubles(rays->drift_now, part));
     real far = magnitude(t.end.r.x) + magnitude(t.end.r.y) + magnitude(t.end.r.z);
     real steep = magnitude(t.end.g.x) + magnitude(t.end.g.y) + magnitude(t.end.g.z);
-    real noise = R(4.0 * CPM_EPSILON) * (one + (larger(n_start * n_start, one) + far * steep) / square);
-    real ratio = larger(off / (rtol * t.way + R(c->atol) * share), turn / rtol) * R(1.0 / c->lenient);
+    real noise = R(4.0 * CPM_EPSILON) * (one + (larger(n_start * n_start, one) + far * steep) * per_square);
     real3 push = sub3(t.end.p, a.p);
-    real slant = magnitude(dot3(push, t.end.p)) / (root(dot3(push, push) * dot3(t.end.p, t.end.p)) + R(1e-30));
-    ratio = larger(ratio, pick(turned, zero, growth / (R(0.3) * rtol * larger(slant, splat(0.03)) + noise)));
-    mask usable = t.good & less(zero, t.way) & less(far, splat(CPM_FAR)) & at_most(magnitude(drift), splat(1e30));
-    usable |= t.good & turned & less(far, splat(CPM_FAR));
-    ratio = pick(usable & at_most(ratio, splat(1e12)), ratio, splat(1e12));
+    real along = dot3(push, t.end.p); /* no push at all: a = 90 degrees, the strictest */
+    real slant = log2_rough(along * along) - log2_rough(dot3(push, push) * size + R(1e-30));
+    slant = exp2_rough(smaller(larger(R(0.5) * slant, splat(-5.0)), zero)); /* cos a, 0.03 to 1 */
+    real may_off = R(c->lenient * c->rtol) * t.way, may_grow = R(0.3 * c->rtol) * slant + noise;
+    if (c->atol > 0.0) {
+        real expected = load_doubles(rays->expected, part);
+        real share = pick(less(zero, expected), smaller(t.way / larger(expected, splat(1e-30)), one), splat(0.1));
+        may_off += R(c->lenient * c->atol) * share;
+    }
+    real ratio = larger(off * may_grow, growth * may_off) / (may_off * may_grow);
+    ratio = larger(ratio, turn * R(1.0 / (c->lenient * c->rtol)));
+    mask usable = t.good & (less(zero, t.way) | turned) & less(far, splat(CPM_FAR)) & at_most(ratio, splat(1e12));
+    mask worth = at_most(ratio, one);
+    ratio = log2_rough(larger(pick(usable, ratio, splat(1e12)), splat(1e-8)));
     mask fixed = c->step > 0.0 ? ~splat_mask(0) : splat_mask(0);
-    mask accepted = going & usable & (fixed | at_most(ratio, one));
+    mask accepted = going & usable & (fixed | worth);
 
     /* The next step. */
     mask again = less(zero, load_doubles(rays->refused, part));
@@ -184,7 +188,7 @@ CPM_INLINE void cpm_lanes_attempt_part(const cpm_step_control *c, const cpm_medi
     next = pick(usable, next, R(0.25) * h);
     next = pick(fixed & usable, R(c->step) / n_start, next);
     store_doubles(pick(going, next, own), rays->h, part);
-    store_doubles(pick(accepted, larger(ratio, splat(1e-4)), load_doubles(rays->previous, part)), rays->previous, part);
+    store_doubles(pick(accepted, larger(ratio, splat(-13.0)), load_doubles(rays->previous, part)), rays->previous, part);
 
     /* A turn back through p = 0 ends there: along the parabola of the start's g. */
     mask cut = accepted & (turned | less(t.end.n, floor_n));

@@ -60,9 +60,9 @@ CPM_INLINE cpm_trial cpm_step_dopri5(const cpm_medium_data *m, CPM_GLOBAL const 
     t.end.scale = a->scale;
     t.way = h * way;
     t.path = h * path;
-    t.error_position = hh * root(dot3(miss, miss));
-    t.error_way = h * magnitude(way_error);
-    t.error_momentum = h * root(dot3(slip, slip));
+    t.error_position2 = hh * hh * dot3(miss, miss);
+    t.error_way = h * way_error;
+    t.error_momentum2 = hh * dot3(slip, slip);
     return t;
 }
 #endif

@@ -25,9 +25,9 @@ CPM_INLINE cpm_trial cpm_step_euler(const cpm_medium_data *m, CPM_GLOBAL const d
     t.good &= less(splat(0.0), t.end.n);
     t.way = h * n;
     t.path = h * (n * n);
-    t.error_position = quarter * root(dot3(a->g, a->g));
-    t.error_way = R(0.5) * h * magnitude(n - a->n);
-    t.error_momentum = R(0.5) * h * root(dot3(change, change));
+    t.error_position2 = quarter * quarter * dot3(a->g, a->g);
+    t.error_way = R(0.5) * h * (n - a->n);
+    t.error_momentum2 = quarter * dot3(change, change);
     return t;
 }
 #endif

@@ -25,7 +25,7 @@ CPM_INLINE cpm_trial cpm_step_rk4(const cpm_medium_data *m, CPM_GLOBAL const dou
     t.good = less(splat(0.0), n2) & less(splat(0.0), n3) & less(splat(0.0), n4) & less(splat(0.0), t.end.n);
     t.way = sixth * (a->n + R(2.0) * (n2 + n3) + n4);
     t.path = sixth * (a->n * a->n + R(2.0) * (n2 * n2 + n3 * n3) + n4 * n4);
-    t.error_position = t.error_way = t.error_momentum = splat(0.0);
+    t.error_position2 = t.error_way = t.error_momentum2 = splat(0.0);
     return t;
 }
 #endif

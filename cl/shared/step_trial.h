@@ -11,9 +11,9 @@ typedef struct {
 typedef struct {
     cpm_point end;
     real way, path;      /* arc length and optical path of the step, metres */
-    real error_position; /* metres: estimate for the lower-order result */
-    real error_way;      /* metres of arc length */
-    real error_momentum; /* of p; 0 with error_position where the method has no estimate */
-    mask good;           /* n > 0 at every point that was evaluated */
+    real error_position2; /* metres^2: square of the estimate for the lower-order result */
+    real error_way;       /* metres of arc length, signed */
+    real error_momentum2; /* square, of p; all 0 where the method has no estimate */
+    mask good;            /* n > 0 at every point that was evaluated */
 } cpm_trial;
 #endif

@@ -34,7 +34,7 @@ typedef struct cpm_lane_rays {
     double drift_now[CPM_LANES]; /* the same at the current point */
     double error[CPM_LANES];     /* metres: embedded errors, those of direction carried along the ray */
     double error_turn[CPM_LANES]; /* radians: embedded errors of direction */
-    double previous[CPM_LANES];  /* the step controller's memory */
+    double previous[CPM_LANES];     /* log2 of the last ratio of error to tolerance: the step controller's memory */
     double refused[CPM_LANES];   /* attempts refused since the last step */
     cpm_i64 status[CPM_LANES];   /* -1 going, else a cpm_ray_status */
     cpm_i64 accepted[CPM_LANES]; /* nonzero: the last attempt was accepted, and the piece below is valid */

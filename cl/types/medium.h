@@ -6,9 +6,9 @@
  *
  * Tables, offsets in doubles from the start of the table:
  *   layered  heights   size[0] ascending
- *            guide     size[1] + 1: for each bucket of equal height the last layer that starts at or below its bottom
- *            records   4 a layer, size[0] + 1 layers; layer 0 is below heights[0], layer i starts at heights[i - 1];
- *                      N (or S) = c0 + t (c1 + t (c2 + t c3)), t = height - heights[max(i, 1) - 1]
+ *            guide     size[1]: for each bucket of equal height the last layer that starts at or below its bottom
+ *            records   CPM_RECORD a layer, size[0] + 1 layers; layer 0 is below heights[0], layer i starts at
+ *                      heights[i - 1]; c0 c1 c2 c3 start: N (or S) = c0 + t (c1 + t (c2 + t c3)), t = height - start
  *   grid     records   linear: N at the samples, z fastest; cubic: B-spline coefficients, (nx + 2)(ny + 2)(nz + 2),
  *                      one more on either side of each axis that has more than one sample (see shared/medium_grid.h) */
 #ifndef CPM_TYPES_MEDIUM_H
@@ -20,6 +20,8 @@
 #define CPM_MEDIUM_LINEAR 2
 #define CPM_MEDIUM_LAYERED 3
 #define CPM_MEDIUM_GRID 4
+
+#define CPM_RECORD 8 /* doubles a layer: a cache line */
 
 /* As in cpm/medium.h. */
 #define CPM_FIELD_LINEAR 0

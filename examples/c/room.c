@@ -178,7 +178,7 @@ int main(int argc, char **argv) {
         if (strcmp(name, "--photons") == 0) {
             options.photons = number(argv[i], 0, UINT32_MAX);
         } else if (strcmp(name, "--nearest") == 0) {
-            options.nearest = (int32_t)number(argv[i], 2, INT32_MAX);
+            options.nearest = (int32_t)number(argv[i], 2, 1000000);
         } else if (strcmp(name, "--seed") == 0) {
             options.seed = number(argv[i], 0, UINT64_MAX);
         } else if (strcmp(name, "--threads") == 0) {

@@ -20,6 +20,7 @@
 #define SAGITTA_OF_DIAGONAL 0.03 /* boxes of large triangles are grown by at most this part of the scene */
 #define SAGITTA_OF_EDGE 0.5      /* and by half the median edge of small ones */
 #define MAX_CHORDS 100000.0
+#define OVERLAP 1e-12 /* of theta: a root where two chords meet belongs to one of them at least */
 
 struct cpm_geometry {
     const cpm_triangle *triangles;
@@ -38,7 +39,7 @@ typedef struct query {
     cpm_embree_context base; /* first: Embree hands it back */
     const cpm_geometry *geometry;
     cpm_curve curve;
-    double a, b; /* theta of the chord's ends */
+    cpm_chord chord; /* a, b: theta of its ends */
     int32_t left;
     cpm_hit best;
 } query;
@@ -167,18 +168,19 @@ static void sphere_bounds(const struct RTCBoundsFunctionArguments *args) {
 /* Tests the query's curve against one primitive; shortens Embree's ray to the best so far. */
 static void test_primitive(query *q, size_t primitive, struct RTCRayHit *rayhit) {
     const cpm_geometry *g = q->geometry;
-    double end = q->best.primitive >= 0 && q->best.t < q->b ? q->best.t : q->b;
+    double end = q->best.primitive >= 0 && q->best.t < q->chord.b ? q->best.t : q->chord.b;
     int leaving = (int32_t)primitive == q->left;
     double u = 0.0, v = 0.0;
     double t = primitive < g->triangle_count
-                   ? cpm_curve_triangle(&q->curve, &g->triangles[primitive], leaving, q->a, end, &u, &v)
-                   : cpm_curve_sphere(&q->curve, &g->spheres[primitive - g->triangle_count], leaving, q->a, end);
+                   ? leaving ? cpm_curve_triangle(&q->curve, &g->triangles[primitive], 1, q->chord.a, end, &u, &v)
+                             : cpm_chord_triangle(&q->curve, &q->chord, &g->triangles[primitive], end, &u, &v)
+                   : cpm_curve_sphere(&q->curve, &g->spheres[primitive - g->triangle_count], leaving, q->chord.a, end);
     if (!(t > -1.0)) return;
     if (q->best.primitive >= 0 && (t > q->best.t || (t == q->best.t && (int32_t)primitive >= q->best.primitive))) return;
     q->best.primitive = (int32_t)primitive;
     q->best.t = t, q->best.u = u, q->best.v = v;
     /* a little beyond the best, so that an equal hit of a lower number is still seen */
-    float far = (float)((t - q->a) / (q->b - q->a)) * (1.0f + 4.0f * FLT_EPSILON) + FLT_EPSILON;
+    float far = (float)((t - q->chord.a) / (q->chord.b - q->chord.a)) * (1.0f + 4.0f * FLT_EPSILON) + FLT_EPSILON;
     if (far < rayhit->ray.tfar) rayhit->ray.tfar = far;
     rayhit->hit.geomID = 0;
     rayhit->hit.primID = (unsigned)primitive;
@@ -194,7 +196,7 @@ static void sphere_occluded(const struct RTCOccludedFunctionNArguments *args) {
     if (!args->valid[0]) return;
     query *q = (query *)(void *)args->context;
     struct RTCRay *ray = (struct RTCRay *)(void *)args->ray;
-    double t = cpm_curve_sphere(&q->curve, &q->geometry->spheres[args->primID], 0, q->a, (double)ray->tfar);
+    double t = cpm_curve_sphere(&q->curve, &q->geometry->spheres[args->primID], 0, q->chord.a, (double)ray->tfar);
     if (t > 0.0) ray->tfar = -INFINITY;
 }
 
@@ -204,7 +206,7 @@ static void sphere_intersect(const struct RTCIntersectFunctionNArguments *args) 
     query *q = (query *)(void *)args->context;
     struct RTCRayHit *rayhit = (struct RTCRayHit *)(void *)args->rayhit;
     size_t primitive = q->geometry->triangle_count + args->primID;
-    double t = cpm_curve_sphere(&q->curve, &q->geometry->spheres[args->primID], (int32_t)primitive == q->left, q->a,
+    double t = cpm_curve_sphere(&q->curve, &q->geometry->spheres[args->primID], (int32_t)primitive == q->left, q->chord.a,
                                 (double)rayhit->ray.tfar);
     if (!(t > 0.0)) return;
     rayhit->ray.tfar = (float)t;
@@ -345,8 +347,10 @@ void cpm_geometry_curve(const cpm_geometry *g, const cpm_curve *curve, double th
             struct RTCRayHit rayhit;
             set_ray(&rayhit, cpm_sub(cpm_along(start, enter, chord), g->center), cpm_scaled(leave - enter, chord),
                     0.0f, 1.0f);
-            q.a = i == 0.0 && enter == 0.0 ? -slack : a + enter * (b - a);
-            q.b = a + leave * (b - a);
+            q.chord.a = i == 0.0 && enter == 0.0 ? -slack : a + enter * (b - a) - OVERLAP * theta_end;
+            q.chord.b = a + leave * (b - a);
+            q.chord.start = cpm_along(start, enter, chord), q.chord.end = cpm_along(start, leave, chord);
+            q.chord.off = grow + 1e-9 * g->scale; /* also of this part of the chord; and of a start that looks back */
             cpm_embree_intersect(g->curved, &q.base, &rayhit);
         }
         start = end;
@@ -378,7 +382,7 @@ void cpm_geometry_straight(const cpm_geometry *g, cpm_vec origin, cpm_vec direct
         straight_exact(g, &q, reach, slack, hit);
         return;
     }
-    q.a = 0.0;
+    q.chord.a = 0.0;
     cpm_embree_context_init(&q.base);
     cpm_vec local = cpm_sub(origin, g->center);
     double size = cpm_max(g->scale, cpm_max(fabs(local.x), cpm_max(fabs(local.y), fabs(local.z))));
@@ -431,7 +435,7 @@ int cpm_geometry_between(const cpm_geometry *g, cpm_vec a, cpm_vec b) {
     q.curve.degree = 1;
     q.curve.c[0] = a, q.curve.c[1] = cpm_sub(b, a);
     q.left = -1;
-    q.a = 0.0;
+    q.chord.a = 0.0;
     set_ray(&rayhit, cpm_sub(a, g->center), q.curve.c[1], 0.0f, 1.0f);
     cpm_embree_occluded(g->straight, &q.base, &rayhit.ray);
     return rayhit.ray.tfar < 0.0f;

@@ -52,9 +52,11 @@ static void natural_spline(const double *h, const double *y, size_t count, doubl
 static void fill_records(const cpm_layered_desc *d, double *records, const double *value, const double *second) {
     size_t count = d->count;
     records[0] = value[0];
+    records[4] = d->heights[0];
     for (size_t i = 0; i < count; i++) {
-        double *c = records + 4 * (i + 1);
+        double *c = records + CPM_RECORD * (i + 1);
         c[0] = value[i];
+        c[4] = d->heights[i];
         if (i + 1 == count || d->interpolation == CPM_INTERPOLATION_STEP) continue;
         double width = d->heights[i + 1] - d->heights[i];
         c[1] = (value[i + 1] - value[i]) / width;
@@ -65,18 +67,16 @@ static void fill_records(const cpm_layered_desc *d, double *records, const doubl
     }
 }
 
-/* For each bucket the first and the last layer that it touches. Returns the halvings that the widest needs. */
+/* For each bucket the last layer that starts at or below its bottom. Returns the halvings that the fullest bucket needs. */
 static int32_t fill_guide(const cpm_medium_data *data, const double *heights, double *guide) {
     size_t count = (size_t)data->size[0], most = 0, low = 0, high = 0;
     for (int32_t b = 0; b < data->size[1]; b++) {
         double bottom = data->low + (b - GUIDE_MARGIN) / data->bucket, top = data->low + (b + 1 + GUIDE_MARGIN) / data->bucket;
         while (low < count && heights[low] <= bottom) low++;
         while (high < count && heights[high] <= top) high++;
-        if (b == 0) low = 0;
-        if (b == data->size[1] - 1) high = count;
-        guide[2 * b] = (double)low;
-        guide[2 * b + 1] = (double)high;
-        if (high - low > most) most = high - low;
+        if (b == data->size[1] - 1) high = count; /* also for all heights above the table */
+        guide[b] = (double)(b ? low : 0);         /* bucket 0: also for all heights below */
+        if (high - (b ? low : 0) > most) most = high - (b ? low : 0);
     }
     int32_t halvings = 0;
     while (most > 0) halvings++, most /= 2;
@@ -115,7 +115,7 @@ cpm_status cpm_medium_create_layered(cpm_context *context, const cpm_layered_des
     data.size[0] = (int32_t)count, data.size[1] = (int32_t)buckets;
     data.bucket = count > 1 ? (double)buckets / (data.high - data.low) : 1.0;
     data.guide = (int64_t)count;
-    data.records = (int64_t)((count + 2 * buckets + 3) / 4 * 4); /* whole cache lines of records */
+    data.records = (int64_t)((count + buckets + CPM_RECORD - 1) / CPM_RECORD * CPM_RECORD); /* whole cache lines */
     double length = sqrt(d.up[0] * d.up[0] + d.up[1] * d.up[1] + d.up[2] * d.up[2]);
     for (int k = 0; k < 3; k++) data.axis[k] = length > 0.0 ? d.up[k] / length : (k == 1);
     memcpy(data.origin, d.origin, sizeof data.origin);
@@ -130,7 +130,7 @@ cpm_status cpm_medium_create_layered(cpm_context *context, const cpm_layered_des
     }
     data.value = value[0];
     data.feature = feature_of(d.heights, value, count);
-    status = cpm_medium_make(context, &data, (size_t)data.records + 4 * (count + 1), dispersion, medium);
+    status = cpm_medium_make(context, &data, (size_t)data.records + CPM_RECORD * (count + 1), dispersion, medium);
     if (status == CPM_OK) {
         double *table = (*medium)->table;
         int cubic = d.interpolation == CPM_INTERPOLATION_CUBIC;

@@ -28,8 +28,8 @@ static inline size_t lanes_leaf(const float *points, uint32_t first, uint32_t co
         const __m512 y = _mm512_sub_ps(_mm512_loadu_ps(points + count + i), qy);
         const __m512 z = _mm512_sub_ps(_mm512_loadu_ps(points + 2 * count + i), qz);
         const __m512 d = _mm512_add_ps(_mm512_add_ps(_mm512_mul_ps(x, x), _mm512_mul_ps(y, y)), _mm512_mul_ps(z, z));
-        const __mmask16 here = count - i < 16 ? (__mmask16)((1u << (count - i)) - 1u) : (__mmask16)0xffffu;
-        const __mmask16 near = _mm512_mask_cmp_ps_mask(here, d, limit, _CMP_LE_OQ);
+        const uint32_t here = count - i < 16 ? (1u << (count - i)) - 1u : 0xffffu;
+        const __mmask16 near = _mm512_mask_cmp_ps_mask((__mmask16)here, d, limit, _CMP_LE_OQ);
         const __m512i ids = _mm512_add_epi32(_mm512_set1_epi32((int)(first + i)), lane);
         /* compressed in a register: to memory it is slow on some machines */
         _mm512_storeu_ps(distance + n, _mm512_maskz_compress_ps(near, d));

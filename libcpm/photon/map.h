@@ -32,11 +32,16 @@ void cpm_query_free(cpm_query *query);
 /* Irradiance at a point (metres from the map's origin) on the side of the unit normal, W/m2/nm, ADDED to
  * irradiance[bins]. E = sum(the k - 1 nearer)/(pi r_k^2); fewer than k within max_radius: all of them over pi
  * max_radius^2. A photon counts (also among the k) if its stored normal is within 60 degrees of `normal`.
- * Returns the radius used; 0 for an empty tree. */
+ * "Nearer" is by the squared distance in single precision as cl/shared/gather.h rounds it, then by (path, bounce, bin):
+ * the result is the same to the last bit for any order of photons, threads, queries and instruction set. r_k is held at
+ * the spacing of floats at the point (many photons in one point: the estimate is large, never infinite).
+ * Returns the radius used; 0, and nothing is added, for an empty tree, for max_radius <= 0 or NaN, or where k is above
+ * 1024 and there is no memory for it. */
 double cpm_tree_irradiance(const cpm_tree *tree, cpm_query *query, const float *point, const float *normal, int32_t k,
                            double max_radius, double *irradiance);
 
-/* r_k itself (photons of all sides within 60 degrees as above), max_radius where there are fewer. */
+/* r_k itself (of photons within 60 degrees as above; 0 where k photons share the point), max_radius where there are
+ * fewer. */
 double cpm_tree_radius(const cpm_tree *tree, cpm_query *query, const float *point, const float *normal, int32_t k,
                        double max_radius);
 #endif

@@ -26,12 +26,12 @@
 /* --- selection ------------------------------------------------------------------------------------------------- */
 
 /* Floats from 0 up are ordered as their bits. */
-static int32_t bits_of(float x) {
+static int32_t distance_bits(float x) {
     int32_t bits;
     memcpy(&bits, &x, sizeof bits);
     return bits;
 }
-static float float_of(int32_t bits) {
+static float distance_of_bits(int32_t bits) {
     float x;
     memcpy(&x, &bits, sizeof x);
     return x;
@@ -45,7 +45,7 @@ static float kth_distance(float *distance, size_t n, size_t k, float high, size_
     for (int i = 0; i < CPM_PAD; i++) distance[n + (size_t)i] = INFINITY;
     for (int round = 0; c_high - c_low > WINDOW; round++) {
         float a, b;
-        if (low >= 0.0f ? bits_of(high) - bits_of(low) == 1 : high == 0.0f) { /* all the same */
+        if (low >= 0.0f ? distance_bits(high) - distance_bits(low) == 1 : high == 0.0f) { /* all the same */
             *below = c_low;
             return high;
         }
@@ -55,8 +55,8 @@ static float kth_distance(float *distance, size_t n, size_t k, float high, size_
             a = fminf(fmaxf(from + step * (aim - margin), low), high);
             b = fminf(fmaxf(from + step * (aim + margin), low), high);
         } else { /* halving the bits always ends */
-            const int32_t bottom = low >= 0.0f ? bits_of(low) : -1;
-            a = b = float_of(bottom + (bits_of(high) - bottom) / 2);
+            const int32_t bottom = low >= 0.0f ? distance_bits(low) : -1;
+            a = b = distance_of_bits(bottom + (distance_bits(high) - bottom) / 2);
         }
         size_t c_a, c_b;
         lanes_count(distance, n, a, b, &c_a, &c_b);

@@ -81,12 +81,12 @@ def test_linear_squared_is_exact(method):
     expected = closed_forms.linear_squared(
         1.69, (0, -0.1, 0), (0, 0, 0), ORIGIN, DIRECTION, until=((2.0, 0, 0), (1, 0, 0))
     )
-    np.testing.assert_allclose(rays_.position[0], expected.position, atol=1e-12)
+    np.testing.assert_allclose(rays_.position[0], expected.position, rtol=0, atol=1e-12)
 
 
 @pytest.mark.parametrize("method", ["euler", "dopri5"])
 def test_adaptive_error_follows_tolerance(method):
-    """Over the tolerances the error falls with rtol: slope between 0.6 and 1.5 in log–log."""
+    """Over the tolerances the error falls with rtol: as itself, or as its square where Euler's step is ∝ rtol."""
     make, reference = MEDIA["linear"]
     tolerances = [1e-2, 1e-3, 1e-4] if method == "euler" else [1e-4, 1e-6, 1e-8, 1e-10]
     errors = []
@@ -94,4 +94,4 @@ def test_adaptive_error_follows_tolerance(method):
         r = cpm.trace(make(), [ORIGIN], [DIRECTION], wavelength=550.0, length=LENGTH, method=method, rtol=rtol)
         errors.append(np.linalg.norm(r.position[0] - reference().position) / LENGTH)
     slope = np.polyfit(np.log(tolerances), np.log(errors), 1)[0]
-    assert 0.5 < slope < 1.6, f"errors {errors}"
+    assert 0.6 < slope < (2.3 if method == "euler" else 1.6), f"errors {errors}"

@@ -17,10 +17,10 @@ from .fields import OfHeight, OfIndex, vector
 
 
 def layered_cubic(heights, n, up=(0, 1, 0), origin=(0, 0, 0), bc_type="natural"):
-    """n(h) as a C² cubic spline; steps of the oracle bounded by the layer's thickness."""
+    """n(h) as a C² cubic spline; the oracle's steps are bounded by half a layer, since n‴ jumps at the knots."""
     spline = CubicSpline(heights, n, bc_type=bc_type)
     slope = spline.derivative()
-    return OfHeight(lambda h: (float(spline(h)), float(slope(h))), up, origin, max_step=4 * np.max(np.diff(heights)))
+    return OfHeight(lambda h: (float(spline(h)), float(slope(h))), up, origin, max_step=np.max(np.diff(heights)) / 2)
 
 
 def _cell(values, origin, spacing, r):
@@ -49,7 +49,7 @@ def grid_linear(values, origin, spacing):
         )
         return n, gradient / spacing
 
-    return OfIndex(index, max_step=float(np.min(spacing)) / 2)
+    return OfIndex(index, max_step=float(np.min(spacing)) / 10)
 
 
 def _basis(t):
@@ -82,4 +82,4 @@ def grid_cubic(values, origin, spacing):
         )
         return n, gradient / spacing
 
-    return OfIndex(index, max_step=float(np.min(spacing)) * 2)
+    return OfIndex(index, max_step=float(np.min(spacing)) / 4)

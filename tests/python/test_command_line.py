@@ -77,8 +77,10 @@ def test_info_and_explain(tmp_path):
 
 
 def test_version_and_help(tmp_path):
-    assert run("--help", cwd=tmp_path).returncode == 0
-    assert cpm.__version__ in run("--version", cwd=tmp_path).stdout
+    """Help of every command, and the version somewhere in `info`."""
+    for command in ((), ("render",), ("photons",), ("rays",), ("explain",), ("info",)):
+        assert run(*command, "--help", cwd=tmp_path).returncode == 0
+    assert cpm.__version__ in run("info", cwd=tmp_path).stdout
 
 
 def test_interrupt_leaves_what_was_there(tmp_path):

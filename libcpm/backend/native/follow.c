@@ -12,8 +12,10 @@
 #define MAX_PIECES 100000      /* of a closed form; then evaluations_exhausted */
 #define SLACK 1e-11            /* of the scene: how far behind its start a crossing ray looks */
 
-static double slack_of(const cpm_pass *pass, const cpm_flight *flight) {
-    return flight->crossing ? SLACK * pass->reach : 0.0;
+/* A surface at the very place where one piece ends and the next begins may be missed by both, by rounding; so may one
+ * that coincides with a boundary just passed. Such starts look back a little. */
+static double slack_of(const cpm_pass *pass, const cpm_flight *flight, int first) {
+    return flight->crossing || !first ? SLACK * pass->reach : 0.0;
 }
 
 static void begin(const cpm_flight *flight, cpm_arrival *arrival) {
@@ -52,13 +54,15 @@ static void arrive(cpm_arrival *arrival, const cpm_curve *curve, double theta, i
 }
 
 /* One piece: does it hit or leave? theta of its end, or a negative number to go on. */
-static double end_of_piece(const cpm_pass *pass, const cpm_flight *flight, const cpm_curve *curve, int first,
+static double end_of_piece(const cpm_pass *pass, const cpm_flight *flight, const cpm_curve *curve,
                            cpm_arrival *arrival) {
+    /* a layer's face at the start makes a first piece of no length: the next one starts on the surface still */
+    int first = cpm_norm(cpm_sub(curve->c[0], flight->position)) <= SLACK * pass->reach;
     double out = leaves_extent(pass, curve, 1.0), end = cpm_min(1.0, out);
     double speed = cpm_norm(curve->c[1]); /* dr/dtheta */
     cpm_hit hit;
     cpm_geometry_curve(pass->geometry, curve, end, first ? flight->left : -1,
-                       first && speed > 0.0 ? slack_of(pass, flight) / speed : 0.0, &hit);
+                       speed > 0.0 ? slack_of(pass, flight, first) / speed : 0.0, &hit);
     if (hit.primitive >= 0) {
         arrive(arrival, curve, hit.t, CPM_RAY_HIT);
         hit.position = arrival->hit.position;
@@ -102,7 +106,7 @@ static void follow_straight(const cpm_pass *pass, const cpm_flight *flight, cons
     int32_t medium = cpm_region_medium(&flight->region);
     begin(flight, arrival);
     arrival->n = pass->index[(size_t)medium * pass->bins + (size_t)(flight->bin < 0 ? pass->middle : flight->bin)];
-    cpm_geometry_straight(pass->geometry, flight->position, flight->direction, flight->left, slack_of(pass, flight),
+    cpm_geometry_straight(pass->geometry, flight->position, flight->direction, flight->left, slack_of(pass, flight, 1),
                           flight->exact, &arrival->hit);
     double length = arrival->hit.t, out = INFINITY;
     if (pass->bounded) {
@@ -179,7 +183,7 @@ static void follow_exact(const cpm_pass *pass, const cpm_flight *flight, const c
                                 &arrival->evaluations))
             return;
         cpm_curve curve = cpm_curve_from_piece(&piece, degree);
-        double theta = end_of_piece(pass, flight, &curve, i == 0, arrival);
+        double theta = end_of_piece(pass, flight, &curve, arrival);
         arrival->steps += 1.0;
         if (options && options->sink) options->sink(options->user, number, &piece, degree, theta < 0.0 ? 1.0 : theta);
         if (theta >= 0.0 || arrival->status == CPM_RAY_HIT) {
@@ -260,7 +264,7 @@ static void end_lane_step(lane_queue *q, int lane) {
         cpm_piece piece;
         cpm_lane_piece(rays, lane, &piece);
         cpm_curve curve = cpm_curve_from_piece(&piece, 5);
-        theta = end_of_piece(q->pass, &q->flights[which], &curve, piece.length0 == 0.0, arrival);
+        theta = end_of_piece(q->pass, &q->flights[which], &curve, arrival);
         if (q->options && q->options->sink)
             q->options->sink(q->options->user, which, &piece, 5, theta < 0.0 ? 1.0 : theta);
         arrival->optical_path = rays->optical_path[lane];
