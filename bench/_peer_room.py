@@ -4,9 +4,8 @@ import subprocess
 from collections import defaultdict
 
 import numpy as np
-from regions import NAMES
-
 from _results import ROOT
+from regions import NAMES
 
 PROGRAM = ROOT / "bench" / "peers" / "mitsuba_room.py"
 

@@ -6,8 +6,8 @@
  *   triangle REFLECTANCE ax ay az bx by bz cx cy cz
  *   spot     INTENSITY CUTOFF px py pz tx ty tz
  *
- * The linker's --wrap=cpm_follow puts __wrap_cpm_follow between the photon pass and the tracer: in one pass of one thread
- * it keeps every flight and what it hit. Then, at 1 and 2 threads, the fastest of `repeats`:
+ * The linker's --wrap=cpm_follow puts __wrap_cpm_follow between the photon pass and the tracer: in one pass of one
+ * thread it keeps every flight and what it hit. Then, at 1 and 2 threads, the fastest of `repeats`:
  *   pass    the photon pass without its maps: emit, trace, scatter, store, and the projection map before it
  *   follow  the tracer alone on the flights that were kept
  *   bare    rtcIntersect1 alone: a ROBUST scene of the same triangles, the same rays in the same order
@@ -22,8 +22,8 @@
 #include "geometry/embree.h"
 #include "photon/photons.h"
 
-#define CHUNK 512      /* rays that a thread takes at a time, as the photon pass does */
-#define START 2e-6f    /* tnear of a ray that leaves a surface, metres: beyond float rounding at the room's size */
+#define CHUNK 512   /* rays that a thread takes at a time, as the photon pass does */
+#define START 2e-6f /* tnear of a ray that leaves a surface, metres: beyond float rounding at the room's size */
 #define WAVELENGTHS 256
 
 static void give_up(const char *what) {
@@ -76,10 +76,14 @@ typedef struct triangles {
 
 static void add_triangle(cpm_scene *scene, triangles *all, double reflectance, const double corners[9]) {
     static const uint32_t face[3] = {0, 1, 2};
-    const cpm_material paint = {.struct_size = sizeof paint, .kind = CPM_MATERIAL_DIFFUSE,
-                                .reflectance = {.values = &reflectance, .count = 1}};
-    const cpm_mesh_desc mesh = {.struct_size = sizeof mesh, .vertices = corners, .vertex_count = 3, .faces = face,
-                                .face_count = 1, .material = &paint};
+    const cpm_material paint = {
+        .struct_size = sizeof paint, .kind = CPM_MATERIAL_DIFFUSE, .reflectance = {.values = &reflectance, .count = 1}};
+    const cpm_mesh_desc mesh = {.struct_size = sizeof mesh,
+                                .vertices = corners,
+                                .vertex_count = 3,
+                                .faces = face,
+                                .face_count = 1,
+                                .material = &paint};
     if (cpm_scene_add_mesh(scene, &mesh, NULL) != CPM_OK) give_up("a triangle was refused");
     all->corners = room_for(all->corners, all->count + 1, sizeof *all->corners);
     memcpy(all->corners[all->count++], corners, 9 * sizeof(double));
@@ -97,8 +101,12 @@ static void read_scene(const char *name, cpm_scene *scene, triangles *all) {
         if (triangle) {
             add_triangle(scene, all, v[0], v + 1);
         } else {
-            const cpm_light_desc spot = {.struct_size = sizeof spot, .kind = CPM_LIGHT_SPOT, .shape = -1,
-                                         .position = {v[2], v[3], v[4]}, .target = {v[5], v[6], v[7]}, .cutoff = v[1],
+            const cpm_light_desc spot = {.struct_size = sizeof spot,
+                                         .kind = CPM_LIGHT_SPOT,
+                                         .shape = -1,
+                                         .position = {v[2], v[3], v[4]},
+                                         .target = {v[5], v[6], v[7]},
+                                         .cutoff = v[1],
                                          .emission = {.values = v, .count = 1}};
             if (cpm_scene_add_light(scene, &spot, NULL) != CPM_OK) give_up("the spot was refused");
         }
@@ -118,8 +126,8 @@ static cpm_context *context_of(int threads) {
 /* Seconds of a photon pass without building its maps. */
 static double pass_seconds(cpm_context *context, cpm_scene *scene, uint64_t photons, const double *wavelengths,
                            size_t bins, cpm_stats *stats) {
-    const cpm_photons_options options = {.struct_size = sizeof options, .photons = photons, .wavelengths = wavelengths,
-                                         .wavelength_count = bins};
+    const cpm_photons_options options = {
+        .struct_size = sizeof options, .photons = photons, .wavelengths = wavelengths, .wavelength_count = bins};
     cpm_photons *traced = NULL;
     if (cpm_photons_trace(context, scene, &options, &traced) != CPM_OK) give_up(cpm_context_last_error(context));
     stats->struct_size = sizeof *stats;
@@ -149,8 +157,7 @@ static RTCScene embree_scene(RTCDevice device, const triangles *all) {
     RTCScene scene = rtcNewScene(device);
     rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
     RTCGeometry mesh = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    float *vertices =
-        rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, 3 * all->count);
+    float *vertices = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, 3 * all->count);
     unsigned *faces = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, all->count);
     if (!vertices || !faces) give_up("Embree has no memory");
     for (size_t i = 0; i < 9 * all->count; i++) vertices[i] = (float)all->corners[i / 9][i % 9];
@@ -187,9 +194,15 @@ static double bare_seconds(RTCScene scene, const bare_ray *rays, int threads, si
         const bare_ray *r = &rays[i];
         cpm_embree_context context;
         cpm_embree_context_init(&context);
-        struct RTCRayHit ray = {.ray = {.org_x = r->origin[0], .org_y = r->origin[1], .org_z = r->origin[2],
-                                        .tnear = r->near, .dir_x = r->direction[0], .dir_y = r->direction[1],
-                                        .dir_z = r->direction[2], .tfar = INFINITY, .mask = 0xFFFFFFFFu}};
+        struct RTCRayHit ray = {.ray = {.org_x = r->origin[0],
+                                        .org_y = r->origin[1],
+                                        .org_z = r->origin[2],
+                                        .tnear = r->near,
+                                        .dir_x = r->direction[0],
+                                        .dir_y = r->direction[1],
+                                        .dir_z = r->direction[2],
+                                        .tfar = INFINITY,
+                                        .mask = 0xFFFFFFFFu}};
         ray.hit.geomID = ray.hit.primID = ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
         cpm_embree_intersect(scene, &context, &ray);
         equal += (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID ? -1 : (int32_t)ray.hit.primID) == kept.hits[i];
@@ -238,7 +251,8 @@ int main(int argc, char **argv) {
     printf("{\"photons\": %llu, \"bins\": %zu, \"rays\": %zu, \"same_hits\": %zu, \"isa\": \"%s\", \"embree\": \"%s\", "
            "\"stored\": %llu, \"runs\": [",
            (unsigned long long)photons, bins, kept.count, same, cpm_isa_text(cpm_isa_chosen()),
-           cpm_geometry_embree_version(), (unsigned long long)(stats.photons_stored_direct + stats.photons_stored_later));
+           cpm_geometry_embree_version(),
+           (unsigned long long)(stats.photons_stored_direct + stats.photons_stored_later));
     for (int t = 0; t < 2; t++)
         printf("%s{\"threads\": %d, \"pass_seconds\": %.6f, \"follow_seconds\": %.6f, \"bare_seconds\": %.6f}",
                t ? ", " : "", t + 1, best[t][0], best[t][1], best[t][2]);

@@ -45,15 +45,20 @@ def measure(scene, photons, bins, repeats):
     return json.loads(run.stdout)
 
 
+def where(result, run):
+    """A label: bins and threads of a run."""
+    return ", ".join(f"{count} {unit}{'' if count == 1 else 's'}"
+                     for count, unit in ((result["bins"], "bin"), (run["threads"], "thread")))
+
+
 def draw(results):
     """Rays a second of each stage, by bins and threads."""
     figure, ((axis,),) = new_figure(1, 1, (7.5, 4))
-    labels = [f"{result['bins']} bins, {run['threads']} threads" for result in results for run in result["runs"]]
     runs = [(result, run) for result in results for run in result["runs"]]
     for k, (stage, name) in enumerate(zip(STAGES, ("photon pass", "tracer alone", "bare rtcIntersect1"), strict=True)):
         axis.bar([i + 0.27 * (k - 1) for i in range(len(runs))],
                  [result["rays"] / run[stage] / 1e6 for result, run in runs], 0.25, label=name)
-    axis.set_xticks(range(len(runs)), labels)
+    axis.set_xticks(range(len(runs)), [where(result, run) for result, run in runs])
     axis.set(ylabel="million rays a second", title="straight photon tracing, homogeneous cross room")
     axis.legend()
     return figure
@@ -80,7 +85,7 @@ def main():
           [[result["bins"], run["threads"], result["rays"], *(run[stage] for stage in STAGES),
             run["bare_seconds"] / run["pass_seconds"], run["bare_seconds"] / run["follow_seconds"],
             f"{result['same_hits'] / result['rays']:.6f}"] for result in results for run in result["runs"]])
-    figures = [judge(f"bare rtcIntersect1 over photon pass, {result['bins']} bins, {run['threads']} threads",
+    figures = [judge(f"bare rtcIntersect1 over photon pass, {where(result, run)}",
                      run["bare_seconds"] / run["pass_seconds"], 0.5, at_most=False)
                for result in results for run in result["runs"]]
     write(options.results, "embree", {"load_at_start": load, "results": results}, figures, draw(results))

@@ -11,7 +11,6 @@ import sys
 import time
 
 import numpy as np
-
 from _results import CURVED, add_arguments, judge, load_average, new_figure, positive, table, write
 
 # What the package promises to import late.

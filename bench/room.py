@@ -2,9 +2,9 @@
 """Error against run time in the cross room: homogeneous beside Mitsuba's path tracer, curved beside homogeneous.
 
 Homogeneous: one bin at 620 nm, as the peer has one wavelength, swept over photons and nearest neighbours. Seconds are
-those of the whole cpm.render call, after one warm-up that builds the scene, as the peer's are; error is the relative RMSE
-by region (peers/regions.py) against the reference in bench/data, whose own noise is taken out. With several seeds the
-error is also split: what stays in the mean of the pictures is bias (blur), the rest is noise.
+those of the whole cpm.render call, after one warm-up that builds the scene, as the peer's are; error is the relative
+RMSE by region (peers/regions.py) against the reference in bench/data, whose own noise is taken out. With several seeds
+the error is also split: what stays in the mean of the pictures is bias (blur), the rest is noise.
 
 Curved: the paper's setting (3 000 000 photons, 150 nearest, 16 bins), exact, in turn with the homogeneous room.
 
@@ -16,16 +16,14 @@ import time
 from pathlib import Path
 
 import numpy as np
-
 from _results import CURVED, HOMOGENEOUS, ROOT, add_arguments, judge, load_average, new_figure, positive, table, write
 
 sys.path.insert(0, str(ROOT / "bench" / "peers"))
-from mitsuba_room import load_reference  # noqa: E402
-from regions import NAMES, regions, relative_rmse  # noqa: E402
+from _peer_room import curve, error_at, run_peer
+from mitsuba_room import load_reference
+from regions import NAMES, regions, relative_rmse
 
-from _peer_room import curve, error_at, run_peer  # noqa: E402
-
-import cpm  # noqa: E402
+import cpm
 
 WAVELENGTH = 620.0          # nm, of the reference
 WINDOW = (1.0, 30.0)        # seconds in which the figures count
@@ -195,7 +193,8 @@ def parse_arguments():
     parser.add_argument("--nearest", type=positive, nargs="+", metavar="K", default=[50, 150, 500, 1500])
     parser.add_argument("--samples", type=positive, default=1, metavar="N",
                         help="eye rays a pixel (default: %(default)s)")
-    parser.add_argument("--seeds", type=positive, default=3, metavar="N", help="pictures a point (default: %(default)s)")
+    parser.add_argument("--seeds", type=positive, default=3, metavar="N",
+                        help="pictures a point (default: %(default)s)")
     parser.add_argument("--pairs", type=int, default=5, metavar="N",
                         help="curved and homogeneous renders at the paper's setting; 0: none (default: %(default)s)")
     parser.add_argument("--threads", type=int, default=0, metavar="N", help="of both sides (default: all cores)")
@@ -250,7 +249,8 @@ def main():
         print(f"no peer: {missing}")
     figures = judge_sweep(points, peer)
     if peer:
-        figures.append(judge("Mitsuba after our sweep over Mitsuba before, seconds", drift, None, note="the machine's drift"))
+        figures.append(judge("Mitsuba after our sweep over Mitsuba before, seconds", drift, None,
+                             note="the machine's drift"))
     pairs = None
     if options.pairs:
         pairs, more = measure_pairs(options)

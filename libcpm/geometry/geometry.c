@@ -20,6 +20,7 @@
 #define SAGITTA_OF_DIAGONAL 0.03 /* boxes of large triangles are grown by at most this part of the scene */
 #define SAGITTA_OF_EDGE 0.5      /* and by half the median edge of small ones */
 #define MAX_CHORDS 100000.0
+#define STEP_BACK 1e-12
 #define OVERLAP 1e-12 /* of theta: a root where two chords meet belongs to one of them at least */
 
 struct cpm_geometry {
@@ -418,6 +419,12 @@ void cpm_geometry_straight(const cpm_geometry *g, cpm_vec origin, cpm_vec direct
         hit->position = cpm_along(origin, hit->t, direction);
         if (!(hit->t > 0.0)) straight_exact(g, &q, reach, slack, hit);
     }
+}
+
+cpm_vec cpm_geometry_step_back(const cpm_geometry *g, const cpm_hit *hit, cpm_vec start, cpm_vec came) {
+    double size = g->scale + fabs(hit->position.x) + fabs(hit->position.y) + fabs(hit->position.z);
+    double back = cpm_min(STEP_BACK * size, 0.5 * cpm_norm(cpm_sub(hit->position, start)));
+    return cpm_along(hit->position, -back, came);
 }
 
 int cpm_geometry_near_edge(const cpm_geometry *g, const cpm_hit *hit) {

@@ -89,5 +89,5 @@ class Image:
     def write_exr(self, path: str | bytes, rgb: npt.NDArray[np.float32] | None) -> None: ...
 
 def render(*, scene: Scene, photon_map: Photons | None, width: int, height: int, photons: int, seed: int,
-           wavelengths: _Doubles, nearest: int, samples: int, max_radius: float, projection: bool, batch: int,
+           wavelengths: _Doubles, nearest: int, samples: int, max_radius: float, projection: bool, edge_correction: bool, batch: int,
            threads: int, progress: _Report) -> Image: ...

@@ -54,4 +54,5 @@ def photon_picture(scene: Scene, photons: int | None = None, size: tuple[int, in
         dot = _DOT * float(np.linalg.norm(high - low))
     options: dict[str, Any] = {"seed": seed, "backend": backend, "threads": threads, "progress": progress}
     traced = trace_photons(scene, DEFAULT_PHOTONS if photons is None else photons, **options)
-    return render(scene, size=size, photon_map=traced, nearest=_ALL, max_radius=dot, **options)
+    return render(scene, size=size, photon_map=traced, nearest=_ALL, max_radius=dot, edge_correction=False,
+                  **options)

@@ -20,7 +20,7 @@ __all__ = ["render"]
 def render(scene: Scene, size: tuple[int, int] | None = None, photons: int | Photons | None = None,
            nearest: int | None = None, wavelengths: npt.ArrayLike | None = None, samples: int | None = None,
            seed: int | None = None, backend: str = "native", precision: str = "double", *, threads: int = 0,
-           batch: int = 0, projection: bool = True, max_radius: float | None = None,
+           batch: int = 0, projection: bool = True, edge_correction: bool = True, max_radius: float | None = None,
            photon_map: Photons | None = None, progress: ProgressLike = False) -> Image:
     """Render a scene.
 
@@ -48,6 +48,8 @@ def render(scene: Scene, size: tuple[int, int] | None = None, photons: int | Pho
         0: chosen.
     projection : bool
         Emit only where something may be hit.
+    edge_correction : bool
+        Divide an estimate by the part of its disc that lies on surface: no dark lines along edges and corners.
     max_radius : float, optional
         Bound on an estimate's disc, metres. Default: chosen for direct light, else the scene's diagonal.
     photon_map : Photons, optional
@@ -83,7 +85,7 @@ def render(scene: Scene, size: tuple[int, int] | None = None, photons: int | Pho
         handle = _core.render(scene=scene._use(), photon_map=None if traced is None else traced._handle,
                               width=settings.width, height=settings.height, photons=settings.photons,
                               seed=settings.seed, wavelengths=settings.wavelengths, nearest=settings.nearest,
-                              samples=settings.samples, max_radius=settings.max_radius, projection=bool(projection),
+                              samples=settings.samples, max_radius=settings.max_radius, projection=bool(projection), edge_correction=bool(edge_correction),
                               batch=as_integer(batch, "batch", 0, 2**31 - 1),
                               threads=as_integer(threads, "threads", 0, 1024), progress=report)
     return Image._of(handle)

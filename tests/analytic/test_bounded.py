@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from oracles import closed_forms, radiometry
+from oracles import closed_forms, hits, radiometry
 from support import scenes
 
 import cpm
@@ -109,9 +109,9 @@ def test_last_added_wins():
     low = cpm.media.Homogeneous(1.2, bounds=cpm.Box((-5, -1, -5), (5, 1, 5)))
     high = cpm.media.Homogeneous(1.5, bounds=cpm.Box((-5, -0.5, -5), (5, 0.5, 5)))
     down = (0.0, -1.0, 0.0)
-    rays = trace(scene_with(low, high), (0, 2, 0), down)
+    rays = trace(scene_with(low, high), (0.137, 2, 0.211), down)
     assert rays.optical_path[0] == pytest.approx(2 * 1.0 + 1 * 1.2 + 1 * 1.5, abs=1e-9)
-    rays = trace(scene_with(high, low), (0, 2, 0), down)
+    rays = trace(scene_with(high, low), (0.137, 2, 0.211), down)
     assert rays.optical_path[0] == pytest.approx(2 * 1.0 + 2 * 1.2, abs=1e-9)
 
 
@@ -142,3 +142,84 @@ def test_bounded_in_a_curved_medium():
     rays = trace(scene, start, d)
     np.testing.assert_allclose(rays.position[0], end.position, rtol=0, atol=1e-9)
     np.testing.assert_allclose(rays.momentum[0], end.momentum, rtol=0, atol=1e-9)
+
+
+def follow(origin, direction, length):
+    """Oracle: `length` metres through the gradient box, by straight lines, parabolas, Snell and total reflection."""
+    vertices, faces = scenes.box_mesh(*BOX)
+    r, d, g, inside, left = (
+        np.array(origin),
+        np.array(direction) / np.linalg.norm(direction),
+        np.array(G),
+        False,
+        length,
+    )
+    while True:
+        p, bend = (inside_index(r) * d, g) if inside else (d, np.zeros(3))
+        sigma, face = hits.mesh(r, p, bend, vertices, faces, after=1e-9)
+        reach = closed_forms.parabola_arc_length(p, bend, sigma) if np.isfinite(sigma) else np.inf
+        if reach >= left:
+            sigma = closed_forms.parabola_sigma_of_length(p, bend, left)
+            r, p = closed_forms.parabola(r, p, bend, sigma)
+            return r, p / np.linalg.norm(p)
+        left -= reach
+        r, p = closed_forms.parabola(r, p, bend, sigma)
+        a, b, c = vertices[faces[face]]
+        normal = np.cross(b - a, c - a) / np.linalg.norm(np.cross(b - a, c - a))
+        d, n = p / np.linalg.norm(p), inside_index(r)
+        out = radiometry.snell(d, normal, *((n, 1.0) if inside else (1.0, n)))
+        if out is None:
+            d = d - 2 * (d @ normal) * normal
+        else:
+            d, inside = out, not inside
+
+
+@pytest.mark.parametrize("method", ["auto", "dopri5"])
+def test_random_rays_through_the_box(method):
+    """120 rays, many totally reflected several times: where they are after 5 m."""
+    rng = np.random.default_rng(12)
+    origins = 2.5 * rng.normal(size=(120, 3))
+    origins *= 2.5 / np.linalg.norm(origins, axis=1, keepdims=True)
+    directions = rng.uniform(-0.8, 0.8, (120, 3)) * (1, 0.5, 1) - origins
+    scene = scene_with(cpm.media.LinearSquared(N2, gradient=G, bounds=cpm.Box(*BOX)))
+    rays = cpm.trace(scene, origins, directions, wavelength=550.0, length=5.0, method=method, rtol=1e-11)
+    expected = [follow(o, d, 5.0) for o, d in zip(origins, directions, strict=True)]
+    assert np.all(rays.status == cpm.RayStatus.ARRIVED)
+    np.testing.assert_allclose(rays.position, [e[0] for e in expected], rtol=0, atol=1e-7)
+    np.testing.assert_allclose(rays.direction, [e[1] for e in expected], rtol=0, atol=1e-7)
+
+
+def test_faces_diagonal():
+    """A ray that meets a box's face exactly on a diagonal or an edge of its triangles passes like any other."""
+    scene = scene_with(cpm.media.Homogeneous(1.5, bounds=cpm.Box((-1, -0.5, -1), (1, 0.5, 1))))
+    across = np.linspace(-0.95, 0.95, 39)
+    x, z = (v.ravel() for v in np.meshgrid(across, across))
+    origins = np.stack([x, np.full(x.size, 2.0), z], axis=1)
+    rays = cpm.trace(scene, origins, np.tile((0.0, -1.0, 0.0), (x.size, 1)), wavelength=550.0, until=OUT)
+    assert np.all(rays.status == cpm.RayStatus.ARRIVED), f"{np.sum(rays.status != 0)} of {x.size} stuck"
+    np.testing.assert_allclose(rays.optical_path, 3 + 1.5, rtol=0, atol=1e-9)
+
+
+COINCIDENT = {
+    # boxes as (low y, high y, n); the path is 4 m along −y from y = 2
+    "adjacent": ([(-0.5, 0.5, 1.5), (-1.5, -0.5, 1.3)], 2 * 1.0 + 1.5 + 1.3),
+    "adjacent, other order": ([(-1.5, -0.5, 1.3), (-0.5, 0.5, 1.5)], 2 * 1.0 + 1.5 + 1.3),
+    "nested, one face shared": ([(-0.5, 0.5, 1.5), (-0.5, 0.0, 1.3)], 3 * 1.0 + 0.5 * 1.5 + 0.5 * 1.3),
+    "the same box twice": ([(-0.5, 0.5, 1.5), (-0.5, 0.5, 1.3)], 3 * 1.0 + 1.3),
+}
+
+
+@pytest.mark.parametrize("name", COINCIDENT)
+@pytest.mark.parametrize("lean", [0.0, 0.3])
+def test_coincident_faces(name, lean):
+    """Media that share a face: each fills its own side, the later one where both do (stacked slabs, a lens doublet)."""
+    boxes, straight = COINCIDENT[name]
+    scene = scene_with(
+        *(cpm.media.Homogeneous(n, bounds=cpm.Box((-5, low, -5), (5, high, 5))) for low, high, n in boxes)
+    )
+    rays = trace(scene, (0.137, 2, 0.211), (np.sin(lean), -np.cos(lean), 0))
+    assert rays.status[0] == cpm.RayStatus.ARRIVED
+    if lean:
+        assert rays.direction[0, 0] == pytest.approx(np.sin(lean), abs=1e-12)  # plane parallel: out as it came in
+    else:
+        assert rays.optical_path[0] == pytest.approx(straight, abs=1e-9)

@@ -57,9 +57,8 @@ def test_dispersive_slab_refracts_by_snell():
     scene.add_medium(cpm.media.Homogeneous(model, bounds=cpm.Box((-10, -thickness, -10), (10, 0, 10))))
     d = np.array([np.sin(angle), -np.cos(angle), 0.0])
     count = len(WAVELENGTHS)
-    rays = cpm.trace(
-        scene, np.tile(-d, (count, 1)), np.tile(d, (count, 1)), wavelength=WAVELENGTHS, until=((0, -2, 0), (0, 1, 0))
-    )
+    start = np.tile(np.array((0.0, 0.0, 0.3)) - d, (count, 1))
+    rays = cpm.trace(scene, start, np.tile(d, (count, 1)), wavelength=WAVELENGTHS, until=((0, -2, 0), (0, 1, 0)))
     inside = np.arcsin(np.sin(angle) / radiometry.cauchy(WAVELENGTHS, 1.5, 0.02))
     expected = thickness * np.tan(inside) + (2 - thickness) * np.tan(angle)
     np.testing.assert_allclose(rays.position[:, 0], expected, rtol=0, atol=1e-9)

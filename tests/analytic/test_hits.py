@@ -162,3 +162,17 @@ def test_left_and_length_in_a_scene():
     assert rays.status[0] == cpm.RayStatus.ARRIVED
     expected = closed_forms.linear_squared(N2, G, np.zeros(3), np.zeros(3), (-1, 0.3, 0.1), length=0.5)
     np.testing.assert_allclose(rays.position[0], expected.position, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("end", [{"length": 3.0}, {"until": ((0, 0, -3.0), (0, 0, 1))}], ids=["length", "until"])
+@pytest.mark.parametrize("what", ["nothing", "a shape elsewhere", "a bounded medium behind"])
+def test_homogeneous_scene_has_no_edge(what, end):
+    """All homogeneous: the default extent is infinite, so a ray that meets nothing arrives where it was sent."""
+    scene = cpm.Scene()
+    if what == "a shape elsewhere":
+        scene.add_sphere((0, 9, 0), 0.1, material=BLACK)
+    if what == "a bounded medium behind":
+        scene.add_medium(cpm.media.Homogeneous(1.5, bounds=cpm.Box((-1, -1, 0.5), (1, 1, 1.5))))
+    rays = cpm.trace(scene, [(0.1, 0.2, 0)], [(0, 0, -1)], wavelength=550.0, **end)
+    assert rays.status[0] == cpm.RayStatus.ARRIVED
+    np.testing.assert_allclose(rays.position[0], (0.1, 0.2, -3.0), rtol=0, atol=1e-12)

@@ -152,6 +152,12 @@ static ask ask_make(shape s, uint32_t i, const cloud *c) {
         for (int a = 0; a < 3; a++) p[a] = (double)c->photons[i % c->count].position[a];
     if (i % 16 == 2)
         for (int a = 0; a < 3; a++) p[a] *= 3.0 * uniform(i, 300 + (uint32_t)a);
+    if (s == SHELL && i % 2) { /* about 60 degrees from the photons' normals: just in, just out */
+        cpm_vec t, b;
+        cpm_frame(cpm_v(n[0], n[1], n[2]), &t, &b);
+        const cpm_vec tilted = cpm_unit(cpm_along(cpm_v(n[0], n[1], n[2]), sqrt(3.0), t));
+        n[0] = tilted.x, n[1] = tilted.y, n[2] = tilted.z;
+    }
     return (ask){{(float)p[0], (float)p[1], (float)p[2]}, {(float)n[0], (float)n[1], (float)n[2]}};
 }
 

@@ -3,7 +3,18 @@
 #define CPM_FUZZ_BYTES_H
 #include <math.h>
 #include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+
+/* Holds for any input, or the fuzzer has found something. */
+#define require(condition)                                                                                             \
+    do {                                                                                                               \
+        if (!(condition)) {                                                                                            \
+            fprintf(stderr, "%s:%d: not so: %s\n", __FILE__, __LINE__, #condition);                                    \
+            abort();                                                                                                   \
+        }                                                                                                              \
+    } while (0)
 
 typedef struct bytes {
     const uint8_t *next, *end;

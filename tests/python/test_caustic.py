@@ -121,3 +121,20 @@ def test_shadow_of_the_sphere():
     radius = np.hypot(photons.diffuse.position[:, 0], photons.diffuse.position[:, 2])
     assert radius.min() > shadow - 2e-3
     assert np.all(photons.diffuse.bounce == 0)
+
+
+def test_mirror_folds_the_beam():
+    """A spot on a tilted mirror: caustic photons land where the mirrored spot would put them, with ρ of the power."""
+    scene = cpm.Scene()
+    scene.add_mesh(*scenes.rectangle((0, 1, 0), (0, 0, 1), (0.5, 0.5, 0)), material=cpm.materials.Mirror(0.8))
+    scene.add_mesh(*scenes.rectangle((-4, 0, 0), (0, 0, 5), (0, 5, 0)), material=cpm.materials.Diffuse(0.0))
+    scene.add_light(cpm.lights.Spot((0, 3, 0), (0, 1, 0), cutoff=5.0, intensity=1.0))  # straight down
+    stored = cpm.trace_photons(scene, 20_000, seed=5, wavelengths=[550.0]).caustic
+    power = 0.8 * 2 * np.pi * (1 - np.cos(np.radians(5)))
+    assert stored.power[:, 0].sum() == pytest.approx(power, rel=0.01)
+    # The mirror x = y − 1 swaps x and y − 1: the light's image is at (2, 1, 0), and (0, −1, 0) becomes (−1, 0, 0).
+    offset = stored.position - (2.0, 1.0, 0.0)
+    radius = np.hypot(offset[:, 1], offset[:, 2]) / np.abs(offset[:, 0])
+    assert radius.max() == pytest.approx(np.tan(np.radians(5)), rel=0.01)
+    assert np.mean(radius**2) == pytest.approx(np.tan(np.radians(5)) ** 2 / 2, rel=0.02)
+    assert np.all(stored.bounce == 1)

@@ -66,7 +66,7 @@ def test_irradiance(traced):
     found = photons.diffuse.irradiance(at, np.tile((0.0, 1.0, 0.0), (len(at), 1)), nearest=NEAREST)[:, 0]
     z = (found / expected - 1) * np.sqrt(NEAREST - 2)
     assert np.max(np.abs(z)) < 4.5, f"z up to {np.max(np.abs(z)):.2f}"
-    assert np.std(z) < 1.2            # emission may be stratified: less noise than Poisson is welcome
+    assert np.std(z) < 1.2  # emission may be stratified: less noise than Poisson is welcome
     assert abs(np.mean(found / expected) - 1) < 0.02
 
 

@@ -155,3 +155,28 @@ def test_fresnel_rate(degrees):
     total = stored.power[:, 0].sum()
     share, expected = stored.power[first, 0].sum() / total, float(radiometry.fresnel(np.cos(a), 1.0, 1.5))
     assert share == pytest.approx(expected, abs=4.5 * np.sqrt(expected * (1 - expected) / len(stored.power)) + 2e-4)
+
+
+def test_area_sphere():
+    """An exact sphere as a lamp: outward, uniform over a concentric shell, power π L 4πR²."""
+    scene = shell()
+    shape = scene.add_sphere((0, 0, 0), 0.3, material=BLACK)
+    scene.add_light(cpm.lights.Area(shape, 0.5))
+    stored = traced(scene).diffuse
+    d = stored.position / 5.0
+    assert_uniform(d[:, 1], -1, 1)
+    assert_uniform_pair(d[:, 0], np.arctan2(d[:, 2], d[:, 1]), (-1, -np.pi), (1, np.pi))
+    equal_weights(stored, np.pi * 0.5 * 4 * np.pi * 0.09)
+
+
+def test_lights_share_the_photons():
+    """Two lamps of unequal power: each gets its own power, whatever share of the photons."""
+    scene = shell()
+    scene.add_sphere((0, 0, 0), 0.01, material=BLACK)
+    scene.add_light(cpm.lights.Spot((0, 1, 0), (0, 4, 0), cutoff=30.0, intensity=1.0))
+    scene.add_light(cpm.lights.Spot((0, -1, 0), (0, -4, 0), cutoff=30.0, intensity=7.0))
+    stored = traced(scene).diffuse
+    up = stored.position[:, 1] > 0
+    one = 2 * np.pi * (1 - np.cos(np.radians(30)))
+    assert stored.power[up, 0].sum() == pytest.approx(one, rel=4 / np.sqrt(up.sum()))
+    assert stored.power[~up, 0].sum() == pytest.approx(7 * one, rel=4 / np.sqrt((~up).sum()))

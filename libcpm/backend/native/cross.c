@@ -7,7 +7,7 @@
 
 cpm_flight cpm_depart(const cpm_pass *pass, const cpm_flight *flight, const cpm_arrival *arrival, cpm_vec direction) {
     cpm_flight next = *flight;
-    next.position = arrival->hit.position;
+    next.position = cpm_geometry_step_back(pass->geometry, &arrival->hit, flight->position, arrival->direction);
     next.direction = direction;
     next.left = arrival->hit.primitive;
     next.exact = cpm_geometry_near_edge(pass->geometry, &arrival->hit);
@@ -38,6 +38,7 @@ int cpm_pass_boundary(const cpm_pass *pass, const cpm_flight *flight, const cpm_
     passage->jumps = passage->total = 0;
     passage->reflectance = 0.0;
     passage->transmitted = cpm_depart(pass, flight, arrival, arrival->direction);
+    passage->transmitted.position = arrival->hit.position;
     passage->transmitted.region = region;
     passage->transmitted.crossing = 1;
     int32_t before = cpm_region_medium(&flight->region), behind = cpm_region_medium(&region);

@@ -18,6 +18,6 @@ int32_t cpm_medium_behind(const cpm_pass *pass, const cpm_flight *flight, const 
 /* Both ways on from a boundary. Returns 0 where more than CPM_MAX_NESTED media would overlap. */
 int cpm_pass_boundary(const cpm_pass *pass, const cpm_flight *flight, const cpm_arrival *arrival, cpm_passage *passage);
 
-/* A flight that starts where another has arrived. */
+/* A flight thrown back into the medium where another has arrived. */
 cpm_flight cpm_depart(const cpm_pass *pass, const cpm_flight *flight, const cpm_arrival *arrival, cpm_vec direction);
 #endif
