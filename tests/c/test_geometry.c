@@ -206,7 +206,7 @@ static void nothing_leaves_a_closed_box(void **state) {
             cpm_hit hit;
             cpm_curve k = {.degree = 2};
             if (curved) {
-                k.c[0] = at, k.c[1] = cpm_scaled(6.0, d), k.c[2] = cpm_v(0.0, -2.0, 0.7);
+                k.c[0] = at, k.c[1] = cpm_scaled(20.0, d), k.c[2] = cpm_v(0.0, -9.0, 3.0);
                 cpm_geometry_curve(g, &k, 1.0, left, 0.0, &hit);
             } else {
                 cpm_geometry_straight(g, at, d, left, 0.0, near_edge, &hit);

@@ -162,3 +162,28 @@ def test_light_where_there_is_no_medium():
     scene.add_light(cpm.lights.Point((0, 5.0, 0), 1.0))
     with pytest.raises((ValueError, cpm.Error), match="light"):
         cpm.trace_photons(scene, 10, seed=1, wavelengths=[550.0])
+
+
+@pytest.mark.parametrize("where", [0.0, 5.3, -1234.567])
+@pytest.mark.parametrize("what", ["tetrahedron", "box", "icosphere", "fine icosphere", "split corners"])
+def test_closed_dielectrics_are_accepted(what, where):
+    """Closed, outward meshes anywhere: shared vertices, or one set a face (as OBJ and STL files have them)."""
+    if what == "tetrahedron":
+        vertices, faces = np.eye(4, 3), np.array([(3, 1, 0), (3, 0, 2), (3, 2, 1), (0, 1, 2)])
+    elif what == "box":
+        vertices, faces = scenes.box_mesh((0, 0.001, 0), (0.7, 1, 1.1))
+        faces = faces[:, ::-1].copy()
+    else:
+        vertices, faces = scenes.icosphere(0.37, 4 if what == "fine icosphere" else 2)
+    if what == "split corners":
+        vertices, faces = vertices[faces].reshape(-1, 3), np.arange(3 * len(faces)).reshape(-1, 3)
+    scene = lit_triangle()
+    scene.add_mesh(vertices + where, faces, material=cpm.materials.Dielectric(1.5))
+    cpm.trace_photons(scene, 10, seed=1, wavelengths=[550.0])
+
+
+def test_inverted_dielectric_is_refused():
+    with pytest.raises((ValueError, cpm.Error), match=r"inside out|inward|orient"):
+        scene = lit_triangle()
+        scene.add_mesh(*scenes.icosphere(0.3, 1, inward=True), material=cpm.materials.Dielectric(1.5))
+        cpm.trace_photons(scene, 10, seed=1, wavelengths=[550.0])
