@@ -1,4 +1,4 @@
-# make setup        what is missing: apt packages (where it may), .venv, the cpm package in it
+# make setup        what is missing: apt packages (where it may; CPM_APT=no leaves them to you), .venv, cpm in it
 # make demo         the paper's room, homogeneous and curved, at full size, to build/demo
 # make test         set-up, C tests, Python tests: minutes (CONTRIBUTING.md, TESTING.md)
 # make test-long    the tests marked long too
@@ -82,7 +82,7 @@ fuzz: | build/stamp-apt
 # --- benchmarks, ABI, format -----------------------------------------------------------------------------------------
 
 bench: setup
-	for program in $(wildcard bench/*.py); do echo "== $$program"; $(BIN)/python $$program || exit 1; done
+	for program in $(filter-out bench/_%,$(wildcard bench/*.py)); do echo "== $$program"; $(BIN)/python $$program || exit 1; done
 
 # Debug information carries the types. Needs abigail-tools.
 build/abi/libcpm.so.0: $(SOURCES) | build/stamp-apt

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """Error against run time in the cross room: homogeneous beside Mitsuba's path tracer, curved beside homogeneous.
 
-Homogeneous: one bin at 620 nm, as the peer has one wavelength, swept over photons and nearest neighbours. Seconds are
-those of the whole cpm.render call, after one warm-up that builds the scene, as the peer's are; error is the relative
-RMSE by region (peers/regions.py) against the reference in bench/data, whose own noise is taken out. With several seeds
-the error is also split: what stays in the mean of the pictures is bias (blur), the rest is noise.
+Homogeneous: one bin at 620 nm, as the peer has one wavelength, swept over photons, nearest neighbours and eye rays a
+pixel. Seconds are those of the whole cpm.render call, after one warm-up that builds the scene, as the peer's are; error
+is the relative RMSE by region (peers/regions.py) against the reference in bench/data, whose own noise is taken out.
+With several seeds the error is also split: what stays in the mean of the pictures is bias, the rest is noise.
 
 Curved: the paper's setting (3 000 000 photons, 150 nearest, 16 bins), exact, in turn with the homogeneous room.
 
@@ -13,6 +13,7 @@ Curved: the paper's setting (3 000 000 photons, 150 nearest, 16 bins), exact, in
 import argparse
 import sys
 import time
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -27,7 +28,10 @@ import cpm
 
 WAVELENGTH = 620.0          # nm, of the reference
 WINDOW = (1.0, 30.0)        # seconds in which the figures count
-EDGE_LIMIT = "the disc that finds enough direct photons reaches over the outline of the lit cross and blurs it"
+EDGE_LIMIT = ("discs that hold enough direct photons reach over the outline of the lit cross and blur it; one eye ray "
+              "at a pixel's middle makes a staircase of it besides")
+MARKERS = "o^sDv"
+COLOURS = ("tab:blue", "tab:orange", "tab:green", "tab:purple", "tab:brown")   # red is the peer's
 
 
 def render_seconds(scene, **settings):
@@ -59,18 +63,18 @@ def split_error(pictures, reference, variance, mask):
     return error, relative_rmse(pictures.mean(axis=0), reference, mask, variance + scatter)
 
 
-def measure(scene, photons, nearest, options, reference, masks):
+def measure(scene, photons, nearest, samples, options, reference, masks):
     """One point of the sweep."""
     pictures, seconds = [], []
     for seed in range(options.seeds):
         image, took = render_seconds(scene, photons=photons, nearest=nearest, wavelengths=[WAVELENGTH], seed=seed,
-                                     samples=options.samples, threads=options.threads)
+                                     samples=samples, threads=options.threads)
         pictures.append(image.data[..., 0].astype(float))
         seconds.append(took)
     pictures = np.array(pictures)
     parts = {name: split_error(pictures, reference["mean"], reference["variance"], masks[name]) for name in NAMES}
     stages = {key.removeprefix("seconds_"): value for key, value in image.stats.items() if key.startswith("seconds_")}
-    return {"photons": photons, "nearest": nearest, "samples": options.samples, "seconds": float(np.median(seconds)),
+    return {"photons": photons, "nearest": nearest, "samples": samples, "seconds": float(np.median(seconds)),
             "error": {name: part[0] for name, part in parts.items()},
             "bias": {name: part[1] for name, part in parts.items()},
             "mean_ratio": {name: float(pictures[:, mask].mean() / reference["mean"][mask].mean(dtype=float))
@@ -81,10 +85,9 @@ def measure(scene, photons, nearest, options, reference, masks):
 def sweep(scene, options, reference, masks):
     """Every point, fewest photons first."""
     points = []
-    for photons in options.photons:
-        for nearest in options.nearest:
-            points.append(measure(scene, photons, nearest, options, reference, masks))
-            progress(f"{photons} photons, {nearest} nearest: {points[-1]['seconds']:.2f} s")
+    for photons, nearest, samples in product(options.photons, options.nearest, options.samples):
+        points.append(measure(scene, photons, nearest, samples, options, reference, masks))
+        progress(describe(points[-1]))
     return points
 
 
@@ -129,7 +132,11 @@ def best_ratio(points, peer, region):
 
 
 def describe(point):
-    return f"{point['photons']:g} photons, {point['nearest']} nearest, {point['seconds']:.2f} s" if point else "none"
+    """A point's settings and seconds, in words."""
+    if point is None:
+        return "none"
+    return (f"{point['photons']:g} photons, {point['nearest']} nearest, {point['samples']} eye rays, "
+            f"{point['seconds']:.2f} s")
 
 
 def judge_sweep(points, peer):
@@ -153,8 +160,8 @@ def judge_sweep(points, peer):
 
 def print_points(points, peer):
     table("homogeneous room, 620 nm, relative RMSE (bias) by region",
-          ["photons", "nearest", "seconds", *NAMES, "mean ratio"],
-          [[f"{point['photons']:g}", point["nearest"], point["seconds"],
+          ["photons", "nearest", "eye rays", "seconds", *NAMES, "mean ratio"],
+          [[f"{point['photons']:g}", point["nearest"], point["samples"], point["seconds"],
             *(f"{point['error'][name]:.4f} ({point['bias'][name]:.4f})" for name in NAMES),
             f"{point['mean_ratio']['picture']:.4f}"] for point in points])
     if peer:
@@ -166,10 +173,12 @@ def draw(points, peer):
     """Four panels, error over seconds."""
     figure, axes = new_figure(2, 2, (11, 8))
     for axis, region in zip(axes.flat, NAMES, strict=True):
-        for nearest in sorted({point["nearest"] for point in points}):
-            chosen = [point for point in points if point["nearest"] == nearest]
-            axis.plot([point["seconds"] for point in chosen], [point["error"][region] for point in chosen], "o", ms=4,
-                      label=f"cpm, {nearest} nearest")
+        for i, nearest in enumerate(sorted({point["nearest"] for point in points})):
+            for marker, samples in zip(MARKERS, sorted({point["samples"] for point in points}), strict=False):
+                chosen = [point for point in points if (point["nearest"], point["samples"]) == (nearest, samples)]
+                axis.plot([point["seconds"] for point in chosen], [point["error"][region] for point in chosen], marker,
+                          color=COLOURS[i % len(COLOURS)], ms=4,
+                          label=f"cpm, {nearest} nearest, {samples} eye ray{'' if samples == 1 else 's'}")
         best = front(points, region)
         axis.plot([point["seconds"] for point in best], [point["error"][region] for point in best], "k-", lw=1.5,
                   label="cpm, front")
@@ -179,7 +188,7 @@ def draw(points, peer):
         axis.axvspan(*WINDOW, color="0.95", zorder=0)
         axis.set(xscale="log", yscale="log", xlabel="wall seconds", ylabel="relative RMSE", title=region)
         axis.grid(which="both", lw=0.3)
-    axes[0, 0].legend(fontsize=8)
+    axes[0, 0].legend(fontsize=7)
     counts = [point["photons"] / 1e6 for point in points]
     figure.suptitle(f"Homogeneous cross room, 400 x 300, 620 nm: {min(counts):g} to {max(counts):g} million photons "
                     "(shaded: where the figures count)")
@@ -191,8 +200,7 @@ def parse_arguments():
     parser.add_argument("--photons", type=positive, nargs="+", metavar="N",
                         default=[100_000, 300_000, 1_000_000, 3_000_000, 10_000_000])
     parser.add_argument("--nearest", type=positive, nargs="+", metavar="K", default=[50, 150, 500, 1500])
-    parser.add_argument("--samples", type=positive, default=1, metavar="N",
-                        help="eye rays a pixel (default: %(default)s)")
+    parser.add_argument("--samples", type=positive, nargs="+", default=[1, 4], metavar="N", help="eye rays a pixel")
     parser.add_argument("--seeds", type=positive, default=3, metavar="N",
                         help="pictures a point (default: %(default)s)")
     parser.add_argument("--pairs", type=int, default=5, metavar="N",

@@ -1,7 +1,8 @@
 #!/bin/sh
 # apt.sh LIST: installs the Debian packages of LIST that are missing where it may (root, or sudo without a password);
-# else names them and fails. Not on Debian: says what is needed and goes on.
+# else names them and fails. Not on Debian: says what is needed and goes on. CPM_APT=no: does nothing.
 set -eu
+[ "${CPM_APT:-yes}" != no ] || exit 0
 list=$(sed 's/#.*//' "$1" | tr -s ' \n' '  ')
 
 if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
@@ -24,6 +25,7 @@ elif sudo -n true 2>/dev/null; then
 else
     echo "These packages are missing, and installing them takes root:" >&2
     echo "    sudo apt-get install$missing" >&2
+    echo "(CPM_APT=no goes on without: set it if they came another way.)" >&2
     exit 1
 fi
 echo "installing:$missing"

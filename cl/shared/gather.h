@@ -25,9 +25,7 @@ CPM_INLINE int cpm_same_side(unsigned int code, float x, float y, float z) {
 }
 
 /* Irradiance of a half-float 1 within the squared radius radius2 (m^2): scale / (pi r^2), `scale` in W/nm. */
-CPM_INLINE double cpm_gather_factor(double scale, double radius2) {
-    return scale / (3.14159265358979323846 * radius2);
-}
+CPM_INLINE double cpm_gather_factor(double scale, double radius2) { return scale / (3.14159265358979323846 * radius2); }
 
 /* Ties of distance fall to the smaller of these: (path, bounce, bin). */
 CPM_INLINE cpm_u64 cpm_photon_order(unsigned int path, unsigned short bounce, unsigned short bin) {

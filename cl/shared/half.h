@@ -1,4 +1,4 @@
-/* shared/half.h: 16-bit floats (IEEE 754 binary16) in integer arithmetic: what F16C does, for everyone, to the last bit.
+/* shared/half.h: 16-bit floats (IEEE 754 binary16) in integer arithmetic: what F16C does, to the last bit.
  *
  * 1 sign, 5 exponent (bias 15), 10 fraction bits: 11 significant bits, largest 65504, steps of 2^-24 below 2^-14. Every
  * half is a whole multiple of 2^-24 below 2^16, so sums of up to 8192 of them are exact in double, in any order. */
@@ -12,18 +12,18 @@ typedef union cpm_float_bits {
 } cpm_float_bits;
 
 /* Exact. Without branches, so that a loop over it becomes vector instructions. A signalling NaN becomes quiet. */
-CPM_INLINE float cpm_half_to_float(unsigned short half) {
-    cpm_u32 magnitude = half & 0x7fffu, exponent = magnitude & 0x7c00u;
+CPM_INLINE float cpm_half_to_float(unsigned short code) {
+    cpm_u32 magnitude = code & 0x7fffu, exponent = magnitude & 0x7c00u;
     cpm_float_bits normal, result;
     normal.bits = (magnitude << 13) + (112u << 23); /* bias 15 to bias 127 */
     if (exponent == 0x7c00u) normal.bits = 0x7f800000u | magnitude << 13 | ((magnitude & 0x3ffu) ? 0x400000u : 0u);
     result.value = (float)(int)magnitude * 5.9604644775390625e-8f; /* subnormal: in units of 2^-24 */
     if (exponent) result.bits = normal.bits;
-    result.bits |= (cpm_u32)(half & 0x8000u) << 16;
+    result.bits |= (cpm_u32)(code & 0x8000u) << 16;
     return result.value;
 }
 
-/* The nearest half, ties to even; from 65520 up infinity, NaN stays NaN. Error at most 2^-12 of the value (2^-25 below
+/* The nearest half, ties to even; from 65520 up infinity, NaN stays NaN. Error at most 2^-11 of the value (2^-25 below
  * 2^-14). */
 CPM_INLINE unsigned short cpm_half_from_float(float value) {
     cpm_float_bits x;

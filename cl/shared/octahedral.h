@@ -1,6 +1,6 @@
 /* shared/octahedral.h: a direction in 32 bits: the sphere flattened onto an octahedron, its lower half folded outward
- * (Meyer, Süssmuth, Sußner, Stamminger, Greiner: On Floating-Point Normal Vectors. EGSR 2010; Cigolle et al.: A Survey of
- * Efficient Representations for Independent Unit Vectors. JCGT 3(2), 2014).
+ * (Meyer, Süssmuth, Sußner, Stamminger, Greiner: On Floating-Point Normal Vectors. EGSR 2010; Cigolle et al.: A Survey
+ * of Efficient Representations for Independent Unit Vectors. JCGT 3(2), 2014).
  *
  * Low half: u, high half: v, each a signed 16-bit integer in units of 1/32767. The six axes are exact; elsewhere a
  * direction comes back within 6.5e-5 rad. */

@@ -56,6 +56,10 @@ static cpm_status check_arrays(cpm_context *context, const cpm_rays_request *q) 
     if (q->wavelength_stride < 0 || q->wavelength_stride > 1 || q->length_stride < 0 || q->length_stride > 1)
         return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "wavelength_stride and length_stride are %td and %td; must be 0 or 1",
                         q->wavelength_stride, q->length_stride);
+    for (size_t i = 0; i < (q->wavelength_stride ? q->count : q->count > 0); i++)
+        if (!isfinite(q->wavelengths[i]) || !(q->wavelengths[i] > 0.0))
+            return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "wavelengths[%zu] is %g nm; must be finite and > 0", i,
+                            q->wavelengths[i]);
     for (size_t i = 0; i < q->count; i++) {
         const double *r = q->origins + 3 * i, *d = q->directions + 3 * i;
         for (int k = 0; k < 3; k++) {
@@ -89,11 +93,11 @@ static cpm_status check_end(cpm_context *context, const cpm_rays_request *q, cpm
     double largest = 0.0, size = 0.0;
     for (int k = 0; k < 3; k++) {
         if (!isfinite(q->plane_point[k]) || !isfinite(q->plane_normal[k]))
-            return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "plane point or normal [%d] is %g, %g; must be finite", k,
+            return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "until: plane_point[%d] and plane_normal are %g and %g; must be finite", k,
                             q->plane_point[k], q->plane_normal[k]);
         largest = fmax(largest, fabs(q->plane_normal[k]));
     }
-    if (largest == 0.0) return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "plane_normal is zero; must have a direction");
+    if (largest == 0.0) return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "until: plane_normal is zero; must have a direction");
     for (int k = 0; k < 3; k++) size += (q->plane_normal[k] / largest) * (q->plane_normal[k] / largest);
     for (int k = 0; k < 3; k++) {
         goal->point[k] = q->plane_point[k];
@@ -137,7 +141,7 @@ static cpm_status choose_method(cpm_context *context, const cpm_medium *medium, 
 
 static cpm_status fill_starts(trace_work *w) {
     const cpm_rays_request *q = w->request;
-    double last_wavelength = 0.0, scale = 1.0;
+    double last_wavelength = NAN, scale = 1.0;
     for (size_t i = 0; i < q->count; i++) {
         cpm_ray_start *s = &w->starts[i];
         memcpy(s->r, q->origins + 3 * i, sizeof s->r);

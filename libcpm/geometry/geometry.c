@@ -42,6 +42,8 @@ typedef struct query {
     cpm_curve curve;
     cpm_chord chord; /* a, b: theta of its ends */
     int32_t left;
+    double slack; /* theta within which the filter is asked */
+    const cpm_filter *filter;
     cpm_hit best;
 } query;
 
@@ -177,6 +179,10 @@ static void test_primitive(query *q, size_t primitive, struct RTCRayHit *rayhit)
                              : cpm_chord_triangle(&q->curve, &q->chord, &g->triangles[primitive], end, &u, &v)
                    : cpm_curve_sphere(&q->curve, &g->spheres[primitive - g->triangle_count], leaving, q->chord.a, end);
     if (!(t > -1.0)) return;
+    if (q->filter && t <= q->slack &&
+        !q->filter->counts(q->filter->user, (int32_t)primitive, cpm_curve_at(&q->curve, t),
+                           cpm_curve_tangent(&q->curve, t)))
+        return;
     if (q->best.primitive >= 0 && (t > q->best.t || (t == q->best.t && (int32_t)primitive >= q->best.primitive))) return;
     q->best.primitive = (int32_t)primitive;
     q->best.t = t, q->best.u = u, q->best.v = v;
@@ -326,7 +332,7 @@ static int clip_to_box(const cpm_geometry *g, cpm_vec o, cpm_vec d, double grow,
 }
 
 void cpm_geometry_curve(const cpm_geometry *g, const cpm_curve *curve, double theta_end, int32_t left, double slack,
-                        cpm_hit *hit) {
+                        const cpm_filter *filter, cpm_hit *hit) {
     query q;
     hit->primitive = -1;
     if (!g->curved) return;
@@ -334,6 +340,8 @@ void cpm_geometry_curve(const cpm_geometry *g, const cpm_curve *curve, double th
     q.geometry = g;
     q.curve = *curve;
     q.left = left;
+    q.slack = slack;
+    q.filter = slack > 0.0 ? filter : NULL;
     q.best.primitive = -1;
     q.best.t = INFINITY;
     double sagitta = cpm_curve_sagitta(curve, theta_end);
@@ -363,12 +371,12 @@ void cpm_geometry_curve(const cpm_geometry *g, const cpm_curve *curve, double th
 static void straight_exact(const cpm_geometry *g, const query *from, double leave, double slack, cpm_hit *hit) {
     cpm_curve line = from->curve;
     line.c[1] = cpm_scaled(leave, line.c[1]);
-    cpm_geometry_curve(g, &line, 1.0, from->left, slack / leave, hit);
+    cpm_geometry_curve(g, &line, 1.0, from->left, slack / leave, from->filter, hit);
     hit->t *= leave;
 }
 
 void cpm_geometry_straight(const cpm_geometry *g, cpm_vec origin, cpm_vec direction, int32_t left, double slack,
-                           int exact, cpm_hit *hit) {
+                           const cpm_filter *filter, int exact, cpm_hit *hit) {
     hit->primitive = -1;
     double enter = -slack, leave = INFINITY;
     if (!g->curved || !clip_to_box(g, origin, direction, 1e-12 * g->scale, &enter, &leave) || !(leave > 0.0)) return;
@@ -378,8 +386,9 @@ void cpm_geometry_straight(const cpm_geometry *g, cpm_vec origin, cpm_vec direct
     q.curve.degree = 1;
     q.curve.c[0] = origin, q.curve.c[1] = direction;
     q.left = left;
+    q.filter = filter;
     double reach = leave + 1e-9 * (leave + g->scale);
-    if (exact || !g->straight) {
+    if (exact || slack > 0.0 || !g->straight) {
         straight_exact(g, &q, reach, slack, hit);
         return;
     }

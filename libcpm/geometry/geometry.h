@@ -32,15 +32,23 @@ int cpm_triangle_complete(cpm_triangle *triangle, double scale);
 /* The box of all primitives; empty (low > high) without any. */
 cpm_box cpm_geometry_box(const cpm_geometry *geometry);
 
+/* Every query: may a primitive be met at or about its start? NULL: yes. Asked only of what lies within `slack` of the
+ * start, on a path that goes `direction` (not unit there). */
+typedef int (*cpm_counts)(void *user, int32_t primitive, cpm_vec position, cpm_vec direction);
+typedef struct cpm_filter {
+    cpm_counts counts;
+    void *user;
+} cpm_filter;
+
 /* First hit of origin + t direction, t > 0; direction is unit. `left`: the primitive that the ray starts on, -1: none
  * (only its root at t = 0 is excluded). `slack` metres behind the start count too (coincident surfaces); `exact`: skip
  * float, ask the curve scene (the start is so near an edge that float cannot tell sides). */
 void cpm_geometry_straight(const cpm_geometry *geometry, cpm_vec origin, cpm_vec direction, int32_t left, double slack,
-                           int exact, cpm_hit *hit);
+                           const cpm_filter *filter, int exact, cpm_hit *hit);
 
 /* First hit of the curve for theta in (0, theta_end]; `left` and `slack` (in theta) as above. */
 void cpm_geometry_curve(const cpm_geometry *geometry, const cpm_curve *curve, double theta_end, int32_t left,
-                        double slack, cpm_hit *hit);
+                        double slack, const cpm_filter *filter, cpm_hit *hit);
 
 /* Where a ray that is thrown back starts: the hit, a hair back along the way that it came (1e-12 of the scene, above
  * rounding, below everything else). At an edge or in a corner the hit itself lies on several walls, and which side of the

@@ -76,6 +76,7 @@ cpm_status cpm_medium_create_homogeneous(cpm_context *context, double n, const c
                                          cpm_medium **medium) {
     if (!medium) return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "medium is NULL");
     *medium = NULL;
+    if (!context) return CPM_ERROR_INVALID_ARGUMENT;
     cpm_status status = check_n(context, "n", n);
     if (status != CPM_OK) return status;
     cpm_medium_data data = {.kind = CPM_MEDIUM_HOMOGENEOUS, .uniform = 1, .value = n - 1.0, .feature = INFINITY};
@@ -85,6 +86,7 @@ cpm_status cpm_medium_create_homogeneous(cpm_context *context, double n, const c
 cpm_status cpm_medium_create_dispersive(cpm_context *context, const cpm_dispersion *dispersion, cpm_medium **medium) {
     if (!medium) return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "medium is NULL");
     *medium = NULL;
+    if (!context) return CPM_ERROR_INVALID_ARGUMENT;
     if (!dispersion || dispersion->kind == CPM_DISPERSION_NONE)
         return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "dispersion is %s; a dispersive medium is made from one",
                         dispersion ? "of kind NONE" : "NULL");
@@ -121,6 +123,7 @@ cpm_status cpm_medium_create_linear_squared(cpm_context *context, double n_squar
                                             const double *origin, const cpm_dispersion *dispersion, cpm_medium **medium) {
     if (!medium) return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "medium is NULL");
     *medium = NULL;
+    if (!context) return CPM_ERROR_INVALID_ARGUMENT;
     cpm_status status = check_n(context, "n_squared", n_squared);
     if (status != CPM_OK) return status;
     return create_linear(context, CPM_MEDIUM_LINEAR_SQUARED, n_squared - 1.0, gradient, origin, dispersion, medium);
@@ -130,6 +133,7 @@ cpm_status cpm_medium_create_linear(cpm_context *context, double n, const double
                                     const cpm_dispersion *dispersion, cpm_medium **medium) {
     if (!medium) return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "medium is NULL");
     *medium = NULL;
+    if (!context) return CPM_ERROR_INVALID_ARGUMENT;
     cpm_status status = check_n(context, "n", n);
     if (status != CPM_OK) return status;
     return create_linear(context, CPM_MEDIUM_LINEAR, n - 1.0, gradient, origin, dispersion, medium);

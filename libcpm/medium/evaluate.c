@@ -41,6 +41,7 @@ double cpm_medium_n_toward(const cpm_medium *medium, double scale, const double 
 
 cpm_status cpm_medium_evaluate(cpm_context *context, const cpm_medium *medium, const double *points, size_t count,
                                double wavelength, double *n, double *gradient) {
+    if (!context) return CPM_ERROR_INVALID_ARGUMENT;
     if (!medium || !points || !n)
         return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "%s is NULL", !medium ? "medium" : !points ? "points" : "n");
     double scale;

@@ -114,6 +114,7 @@ cpm_status cpm_medium_create_grid(cpm_context *context, const cpm_grid_desc *des
                                   cpm_medium **medium) {
     if (!medium) return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "medium is NULL");
     *medium = NULL;
+    if (!context) return CPM_ERROR_INVALID_ARGUMENT;
     if (!desc) return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "desc is NULL");
     cpm_grid_desc d;
     CPM_TAKE(d, desc);

@@ -103,6 +103,7 @@ cpm_status cpm_medium_create_layered(cpm_context *context, const cpm_layered_des
                                      cpm_medium **medium) {
     if (!medium) return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "medium is NULL");
     *medium = NULL;
+    if (!context) return CPM_ERROR_INVALID_ARGUMENT;
     if (!desc) return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "desc is NULL");
     cpm_layered_desc d;
     CPM_TAKE(d, desc);

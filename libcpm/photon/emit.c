@@ -5,33 +5,36 @@
 
 #include "cl/shared/philox.h"
 #include "cl/shared/sampling.h"
+#include "cl/shared/sobol.h"
 #include "photons.h"
 
 #define AREA_SAMPLES 64 /* points at which an area light's n^2 is looked at */
 
-/* Point and spot lights: a light's paths walk through its cells in order, and within them along the R2 sequence
- * (Roberts: The unreasonable effectiveness of quasirandom sequences. 2018), shifted by the seed: lit areas are covered
- * evenly, with far less noise than independent numbers would give. 0.32 fixed point, exact. */
-#define R2_X 3242174889u
-#define R2_Y 2447445414u
-
-static double fraction(uint64_t index, uint32_t step, uint32_t shift) {
-    return cpm_uniform((uint32_t)index * step + shift);
+/* A light's paths follow Sobol's sequence, scrambled by the seed: point and spot lights walk through the cells of their
+ * projection map in order, area lights through their triangles, and both cover what they walk through evenly. Lit areas
+ * come out with far less noise than independent numbers would give. */
+static double even(const cpm_emitter *e, uint64_t index, int dimension) {
+    return cpm_uniform(cpm_sobol((uint32_t)index, dimension, e->shift[dimension]));
+}
+/* The walk itself: path i of N is somewhere in [i, i + 1)/N. */
+static double walked(const cpm_emitter *e, uint64_t index) {
+    return ((double)index + cpm_uniform(e->shift[0])) / (double)e->count;
 }
 
 /* ------------------------------------------------------------------------------------------------ area lights */
 
-static void point_of_area(const cpm_scene *scene, const cpm_emitter *e, const cpm_random *r, cpm_vec *point,
+/* A point uniform over the light: `along` its triangles, (u, v) within one. */
+static void point_of_area(const cpm_scene *scene, const cpm_emitter *e, double along, double u, double v, cpm_vec *point,
                           cpm_vec *normal, int32_t *primitive) {
     const shape *s = &scene->shapes[e->light->shape];
     if (s->is_sphere) {
         const cpm_sphere *ball = &scene->spheres[s->first];
-        *normal = cpm_sample_cone(cpm_v(0.0, 0.0, 1.0), -1.0, cpm_uniform(r->v[0]), cpm_uniform(r->v[1]));
+        *normal = cpm_sample_cone(cpm_v(0.0, 0.0, 1.0), -1.0, u, v);
         *point = cpm_along(cpm_v(ball->center[0], ball->center[1], ball->center[2]), ball->radius, *normal);
         *primitive = (int32_t)(scene->triangle_count + s->first);
         return;
     }
-    double wanted = cpm_uniform(r->v[2]) * e->area[s->count];
+    double wanted = along * e->area[s->count];
     size_t low = 0, high = s->count;
     while (high - low > 1) {
         size_t middle = (low + high) / 2;
@@ -39,10 +42,10 @@ static void point_of_area(const cpm_scene *scene, const cpm_emitter *e, const cp
         else high = middle;
     }
     const cpm_triangle *t = &scene->triangles[s->first + low];
-    double u, v;
-    cpm_sample_triangle(cpm_uniform(r->v[0]), cpm_uniform(r->v[1]), &u, &v);
-    *point = cpm_v(t->corner[0] + u * t->edge1[0] + v * t->edge2[0], t->corner[1] + u * t->edge1[1] + v * t->edge2[1],
-                   t->corner[2] + u * t->edge1[2] + v * t->edge2[2]);
+    double a, b;
+    cpm_sample_triangle(u, v, &a, &b);
+    *point = cpm_v(t->corner[0] + a * t->edge1[0] + b * t->edge2[0], t->corner[1] + a * t->edge1[1] + b * t->edge2[1],
+                   t->corner[2] + a * t->edge1[2] + b * t->edge2[2]);
     *normal = cpm_scaled(sqrt(t->inverse_area2), cpm_v(t->normal[0], t->normal[1], t->normal[2]));
     *primitive = (int32_t)(s->first + low);
 }
@@ -68,7 +71,8 @@ static cpm_status prepare_area(const cpm_pass *pass, cpm_emitter *e, uint64_t se
         cpm_random r = cpm_philox(seed, i, 1, CPM_STREAM_EMIT, 0);
         cpm_vec point, normal;
         int32_t primitive;
-        point_of_area(scene, e, &r, &point, &normal, &primitive);
+        point_of_area(scene, e, cpm_uniform(r.v[2]), cpm_uniform(r.v[0]), cpm_uniform(r.v[1]), &point, &normal,
+                      &primitive);
         cpm_region region = cpm_region_at(pass, point, normal);
         sum += squared_index(pass, &region, point);
     }
@@ -77,11 +81,11 @@ static cpm_status prepare_area(const cpm_pass *pass, cpm_emitter *e, uint64_t se
     return CPM_OK;
 }
 
-static int emit_area(const cpm_pass *pass, const cpm_emitter *e, const cpm_random *r, const cpm_random *r2,
-                     cpm_flight *flight, double *weight) {
+static int emit_area(const cpm_pass *pass, const cpm_emitter *e, uint64_t index, cpm_flight *flight, double *weight) {
     cpm_vec normal;
-    point_of_area(pass->scene, e, r, &flight->position, &normal, &flight->left);
-    flight->direction = cpm_sample_cosine(normal, cpm_uniform(r->v[3]), cpm_uniform(r2->v[0]));
+    point_of_area(pass->scene, e, walked(e, index), even(e, index, 0), even(e, index, 1), &flight->position, &normal,
+                  &flight->left);
+    flight->direction = cpm_sample_cosine(normal, even(e, index, 2), even(e, index, 3));
     flight->region = cpm_region_at(pass, flight->position, normal);
     flight->exact = 1;
     *weight = squared_index(pass, &flight->region, flight->position) * e->power_factor;
@@ -92,11 +96,11 @@ static int emit_area(const cpm_pass *pass, const cpm_emitter *e, const cpm_rando
 
 static void emit_delta(const cpm_emitter *e, uint64_t index, cpm_flight *flight, double *weight) {
     const cpm_projection *p = &e->projection;
-    double u = fraction(index, R2_X, e->shift[0]), v = fraction(index, R2_Y, e->shift[1]);
+    double u = even(e, index, 0), v = even(e, index, 1);
     double cutoff = 1.0 - cpm_cos(e->light->cutoff);
     *weight = 1.0;
     if (p->rows) {
-        double wanted = ((double)index + cpm_uniform(e->shift[2])) / (double)e->count;
+        double wanted = walked(e, index);
         size_t low = 0, high = (size_t)p->rows * (size_t)p->columns;
         while (high - low > 1) {
             size_t middle = (low + high) / 2;
@@ -113,15 +117,12 @@ static void emit_delta(const cpm_emitter *e, uint64_t index, cpm_flight *flight,
     flight->left = -1;
 }
 
-int cpm_emit(const cpm_pass *pass, const cpm_emitter *e, uint64_t seed, uint64_t path, cpm_flight *flight,
-             float *powers) {
+int cpm_emit(const cpm_pass *pass, const cpm_emitter *e, uint64_t path, cpm_flight *flight, float *powers) {
     double weight;
     memset(flight, 0, sizeof *flight);
     flight->bin = -1;
     if (e->light->kind == CPM_LIGHT_AREA) {
-        cpm_random r = cpm_philox(seed, (uint32_t)path, 0, CPM_STREAM_EMIT, 0);
-        cpm_random r2 = cpm_philox(seed, (uint32_t)path, 2, CPM_STREAM_EMIT, 0);
-        if (!emit_area(pass, e, &r, &r2, flight, &weight)) return 0;
+        if (!emit_area(pass, e, path - e->first, flight, &weight)) return 0;
     } else {
         emit_delta(e, path - e->first, flight, &weight);
     }
@@ -175,7 +176,14 @@ cpm_status cpm_emitters_create(const cpm_pass *pass, uint64_t photons, uint64_t 
         e[i].weight = calloc(pass->bins, sizeof(float));
         if (!e[i].weight) status = cpm_fail(scene->context, CPM_ERROR_OUT_OF_MEMORY, "no memory for a light");
         else if (scene->lights[i].kind == CPM_LIGHT_AREA) status = prepare_area(pass, &e[i], seed, &mean_squared);
-        else e[i].region = cpm_region_at(pass, scene->lights[i].position, scene->lights[i].axis);
+        else {
+            e[i].region = cpm_region_at(pass, scene->lights[i].position, scene->lights[i].axis);
+            double n = cpm_pass_index(pass, cpm_region_medium(&e[i].region), -1, scene->lights[i].position);
+            if (!(n > 0.0))
+                status = cpm_fail(pass->context, CPM_ERROR_INVALID_ARGUMENT,
+                                  "light %zu, at (%g, %g, %g): n^2 is not positive there", i,
+                                  scene->lights[i].position.x, scene->lights[i].position.y, scene->lights[i].position.z);
+        }
         cpm_random r = cpm_philox(seed, (uint32_t)i, 3, CPM_STREAM_EMIT, 0);
         memcpy(e[i].shift, r.v, sizeof e[i].shift);
         factor[i] = power_of(pass, &scene->lights[i], mean_squared);

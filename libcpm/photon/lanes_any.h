@@ -1,4 +1,4 @@
-/* photon/lanes_any.h: boxes and sums of the search in plain C. lanes_v3.h and lanes_v4.h do the same to the last bit. */
+/* photon/lanes_any.h: boxes and sums of the search in plain C. lanes_v3.h, lanes_v4.h: the same, to the last bit. */
 #ifndef CPM_PHOTON_LANES_ANY_H
 #define CPM_PHOTON_LANES_ANY_H
 #include "cl/shared/gather.h"

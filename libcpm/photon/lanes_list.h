@@ -6,7 +6,7 @@
 #include "cl/shared/gather.h"
 #include "tree.h"
 
-/* Appends a leaf's photons within the squared radius to the n that there are; `count` <= CPM_LEAF. Returns the new n. */
+/* Appends a leaf's photons within the squared radius to the n listed; `count` <= CPM_LEAF. Returns the new n. */
 static inline size_t lanes_leaf(const float *points, uint32_t first, uint32_t count, const float *q, float radius2,
                                 float *distance, uint32_t *id, size_t n) {
     float d[CPM_LEAF];

@@ -55,8 +55,7 @@ static inline size_t lanes_between(const float *distance, size_t n, float low, f
     size_t m = 0;
     for (size_t i = 0; i < n; i += 16) {
         const __m512 d = _mm512_loadu_ps(distance + i);
-        const __mmask16 between =
-            _mm512_mask_cmp_ps_mask(_mm512_cmp_ps_mask(d, vl, _CMP_GT_OQ), d, vh, _CMP_LE_OQ);
+        const __mmask16 between = _mm512_mask_cmp_ps_mask(_mm512_cmp_ps_mask(d, vl, _CMP_GT_OQ), d, vh, _CMP_LE_OQ);
         _mm512_storeu_ps(out + m, _mm512_maskz_compress_ps(between, d));
         m += (size_t)__builtin_popcount(between);
     }

@@ -105,8 +105,8 @@ static int32_t find(const cpm_tree *tree, cpm_query *query, const float *point, 
     if (largest <= FLT_MAX) /* else infinitely far from all */
         *found = query->search->nearest(query, scaled, normal, nearest, (float)fmin(limit * limit, (double)FLT_MAX));
     *radius2 = found->enough ? (double)found->radius2 / (unit * unit) : max_radius * max_radius;
-    /* k photons in one single point, or a vanishing max_radius: no density is finite. The spacing of floats there is the
-     * least radius that means anything. */
+    /* k photons in one single point, or a vanishing max_radius: no density is finite. The spacing of floats there is
+     * the least radius that means anything. */
     const double least = 0x1p-24 * fmax((double)largest, 0x1p-24) / unit;
     *radius2 = fmax(*radius2, least * least);
     return 1;

@@ -18,7 +18,7 @@ cpm_status cpm_tree_build(cpm_context *context, cpm_photon *photons, uint16_t *s
 void cpm_tree_free(cpm_tree *tree);
 
 size_t cpm_tree_count(const cpm_tree *tree);
-size_t cpm_tree_bytes(const cpm_tree *tree); /* all that it holds */
+size_t cpm_tree_bytes(const cpm_tree *tree);              /* all that it holds */
 const cpm_photon *cpm_tree_photons(const cpm_tree *tree); /* in the tree's order */
 const uint16_t *cpm_tree_spectra(const cpm_tree *tree);
 double cpm_tree_scale(const cpm_tree *tree);

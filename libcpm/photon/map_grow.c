@@ -25,6 +25,7 @@ void cpm_keys_box(const cpm_photon *photons, const uint64_t *keys, size_t count,
 }
 
 cpm_child cpm_node_join(cpm_node *node, const cpm_child *children, int n, uint32_t number) {
+    memset(node->padding, 0, sizeof node->padding);
     cpm_child sum = children[0];
     sum.first = number, sum.count = 0;
     for (int i = 0; i < n; i++) {

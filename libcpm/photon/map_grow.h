@@ -10,8 +10,8 @@ typedef struct cpm_child { /* what a node keeps of a child */
     int32_t depth; /* 0: a leaf */
 } cpm_child;
 
-/* Takes `child` into slot i of a node; n children in all. Slots from n on are emptied. Returns the child that stands for
- * the node, whose number is `number`. */
+/* Fills a node with n children; slots from n on are emptied. Returns the child that stands for the node, whose number
+ * is `number`. */
 cpm_child cpm_node_join(cpm_node *node, const cpm_child *children, int n, uint32_t number);
 
 typedef struct cpm_grove { /* one thread's */

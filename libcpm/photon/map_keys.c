@@ -89,8 +89,10 @@ static size_t split(const uint64_t *keys, size_t count, int low_bit) {
     size_t zero = 0, one = count - 1;
     while (one - zero > 1) {
         size_t middle = zero + (one - zero) / 2;
-        if (keys[middle] & bit) one = middle;
-        else zero = middle;
+        if (keys[middle] & bit)
+            one = middle;
+        else
+            zero = middle;
     }
     return one;
 }

@@ -18,8 +18,8 @@ int cpm_index_bits(size_t count);
 cpm_cells cpm_cells_make(const float *low, const float *high, float unit, int index_bits);
 uint64_t cpm_cells_key(const cpm_cells *grid, const cpm_photon *photon, uint64_t index);
 
-/* Orders keys by the bits from index_bits up, to the point where no unordered run is longer than CPM_LEAF; `scratch` has
- * room for as many. */
+/* Orders keys by the bits from index_bits up, to the point where no unordered run is longer than CPM_LEAF; `scratch`
+ * has room for as many. */
 void cpm_keys_sort(uint64_t *keys, uint64_t *scratch, size_t count, int index_bits);
 
 /* The functions below see the bits from `low_bit` up, and the keys are ordered by them. */

@@ -2,8 +2,8 @@
  *
  * Not the usual heap of k: all photons within a guessed radius are listed (their number is nearly right when neighbours
  * are asked one after the other), then the k-th smallest distance is selected. Too few: the radius grows. Too many for
- * the buffer: it is cut to the k nearest, and the radius shrinks to theirs. The list always holds every photon within the
- * radius that could be among the k nearest, so the guess changes the cost and never the result. */
+ * the buffer: it is cut to the k nearest, and the radius shrinks to theirs. The list always holds every photon within
+ * the radius that could be among the k nearest, so the guess changes the cost and never the result. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -20,63 +20,9 @@
 #include "lanes_any.h"
 #include "lanes_list.h"
 #endif
-
-#define WINDOW 32 /* distances among which the k-th is found by counting ranks */
+#include "map_select.h"
 
 /* --- selection ------------------------------------------------------------------------------------------------- */
-
-/* Floats from 0 up are ordered as their bits. */
-static int32_t distance_bits(float x) {
-    int32_t bits;
-    memcpy(&bits, &x, sizeof bits);
-    return bits;
-}
-static float distance_of_bits(int32_t bits) {
-    float x;
-    memcpy(&x, &bits, sizeof x);
-    return x;
-}
-
-/* The k-th smallest of n distances of at most `high`, 1 <= k <= n; *below: how many are smaller still.
- * Invariant: at most `low` are c_low < k, at most `high` are c_high >= k. */
-static float kth_distance(float *distance, size_t n, size_t k, float high, size_t *below) {
-    float low = -1.0f;
-    size_t c_low = 0, c_high = n;
-    for (int i = 0; i < CPM_PAD; i++) distance[n + (size_t)i] = INFINITY;
-    for (int round = 0; c_high - c_low > WINDOW; round++) {
-        float a, b;
-        if (low >= 0.0f ? distance_bits(high) - distance_bits(low) == 1 : high == 0.0f) { /* all the same */
-            *below = c_low;
-            return high;
-        }
-        if (round < 6) { /* on a surface photons are evenly spread over squared distance: aim on both sides of the k-th */
-            const float from = fmaxf(low, 0.0f), step = (high - from) / (float)(c_high - c_low);
-            const float margin = 0.3f * WINDOW, aim = (float)(k - c_low);
-            a = fminf(fmaxf(from + step * (aim - margin), low), high);
-            b = fminf(fmaxf(from + step * (aim + margin), low), high);
-        } else { /* halving the bits always ends */
-            const int32_t bottom = low >= 0.0f ? distance_bits(low) : -1;
-            a = b = distance_of_bits(bottom + (distance_bits(high) - bottom) / 2);
-        }
-        size_t c_a, c_b;
-        lanes_count(distance, n, a, b, &c_a, &c_b);
-        if (k <= c_a) high = a, c_high = c_a;
-        else if (k <= c_b) low = a, c_low = c_a, high = b, c_high = c_b;
-        else low = b, c_low = c_b;
-    }
-    float window[WINDOW + CPM_PAD];
-    const size_t m = lanes_between(distance, n, low, high, window);
-    for (size_t i = 0; i < m; i++) {
-        size_t smaller = 0, equal = 0;
-        for (size_t j = 0; j < m; j++) smaller += window[j] < window[i], equal += window[j] == window[i];
-        if (c_low + smaller < k && k <= c_low + smaller + equal) {
-            *below = c_low + smaller;
-            return window[i];
-        }
-    }
-    *below = 0; /* not reached */
-    return high;
-}
 
 static int by_value(const void *a, const void *b) {
     const uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
@@ -185,7 +131,8 @@ static void list_leaf(listing *l, uint32_t first, uint32_t count, int mixed) {
     }
     if (l->n + count > q->capacity) cut(l);
     const size_t from = l->n;
-    l->n = lanes_leaf(q->tree->points + 3 * (size_t)first, first, count, l->point, l->radius2, q->distance, q->id, from);
+    const float *points = q->tree->points + 3 * (size_t)first;
+    l->n = lanes_leaf(points, first, count, l->point, l->radius2, q->distance, q->id, from);
     if (mixed) keep_facing(l, from);
 }
 
@@ -253,8 +200,10 @@ static void sum_split(const cpm_query *query, uint32_t count) {
     for (uint32_t i = 0; i < count; i++) {
         const cpm_photon *p = &tree->photons[query->id[i]];
         const uint16_t *halves = tree->spectra + p->spectrum;
-        if (p->bin != CPM_ALL_BINS) query->sum[p->bin] += (double)cpm_half_to_float(*halves);
-        else for (size_t b = 0; b < tree->bins; b++) query->sum[b] += (double)cpm_half_to_float(halves[b]);
+        if (p->bin != CPM_ALL_BINS)
+            query->sum[p->bin] += (double)cpm_half_to_float(*halves);
+        else
+            for (size_t b = 0; b < tree->bins; b++) query->sum[b] += (double)cpm_half_to_float(halves[b]);
     }
 }
 

@@ -46,7 +46,7 @@ typedef struct cpm_emitter {
     cpm_region region;      /* where a point or spot light sits */
     double *area;           /* area light: cumulative area of its triangles */
     double power_factor;    /* area light: 1/mean n^2, so that a weight of 1 is the mean */
-    uint32_t shift[3];      /* of the emission's low-discrepancy sequence */
+    uint32_t shift[4];      /* scrambles of the emission's low-discrepancy sequence */
 } cpm_emitter;
 
 /* project.c */
@@ -57,8 +57,7 @@ cpm_status cpm_emitters_create(const cpm_pass *pass, uint64_t photons, uint64_t 
                                cpm_emitter **emitters, size_t *count, double *scale, cpm_stats *stats);
 void cpm_emitters_free(cpm_emitter *emitters, size_t count);
 /* Starts a path: flight and powers (bins floats over the scale). Returns 0 where it carries nothing. */
-int cpm_emit(const cpm_pass *pass, const cpm_emitter *emitter, uint64_t seed, uint64_t path, cpm_flight *flight,
-             float *powers);
+int cpm_emit(const cpm_pass *pass, const cpm_emitter *emitter, uint64_t path, cpm_flight *flight, float *powers);
 
 /* store.c: what a thread has stored so far. */
 typedef struct cpm_store {

@@ -222,7 +222,7 @@ static void emit_batch(task *t, uint64_t first, uint64_t end) {
         while (e < last && path >= e->first + e->count) e++;
         if (e == last) break;
         walker w = {.path = (uint32_t)path, .direct = 1};
-        if (!cpm_emit(t->pass, e, t->seed, path, &w.flight, powers)) continue;
+        if (!cpm_emit(t->pass, e, path, &w.flight, powers)) continue;
         account(t, &w.flight, powers, CPM_EMITTED);
         t->emitted++;
         int splits = t->pass->disperses[cpm_region_medium(&w.flight.region)];

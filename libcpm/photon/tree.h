@@ -58,8 +58,8 @@ typedef struct cpm_found {
 
 /* One for each instruction set, all with the same results to the last bit. */
 typedef struct cpm_search {
-    /* Finds the k nearest within the squared radius `limit`; `point` scaled and finite, 1 <= k. The query's buffers have
-     * room for it (cpm_query_room). */
+    /* Finds the k nearest within the squared radius `limit`; `point` scaled and finite, 1 <= k. The query's buffers
+     * have room for it (cpm_query_room). */
     cpm_found (*nearest)(cpm_query *query, const float *point, const float *normal, uint32_t k, float limit);
     /* Half-float powers of photons query->id[0..count), summed over photons, to query->sum[bins]. */
     void (*sum)(cpm_query *query, uint32_t count);

@@ -9,7 +9,7 @@
 #include "scene.h"
 
 typedef struct corner {
-    double r[3];
+    float r[3]; /* float: 24 bits tell vertices apart and forgive the rounding of corner + edge */
     uint32_t slot;
 } corner;
 
@@ -39,8 +39,7 @@ static int number_corners(const cpm_triangle *triangles, size_t count, double st
                 double r = triangles[i].corner[k];
                 if (c == 1) r += triangles[i].edge1[k];
                 if (c == 2) r += triangles[i].edge2[k];
-                /* corner + edge rounds: 24 bits of mantissa tell vertices apart, and forgive it */
-                to->r[k] = (double)(float)(stretch * r);
+                to->r[k] = (float)(stretch * r);
             }
         }
     qsort(corners, 3 * count, sizeof *corners, compare_corners);

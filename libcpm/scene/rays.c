@@ -128,6 +128,15 @@ static int goes_on(const cpm_pass *pass, cpm_flight *flight, const cpm_arrival *
     return 1;
 }
 
+/* How far a straight ray has to go: to its length, or a little beyond the plane. */
+static double far_enough(const cpm_rays_request *q, const cpm_flight *flight, double length) {
+    if (!q->plane_point) return length;
+    const double *a = q->plane_point, *b = q->plane_normal;
+    cpm_vec n = cpm_v(b[0], b[1], b[2]);
+    double t = cpm_vdot(cpm_sub(cpm_v(a[0], a[1], a[2]), flight->position), n) / cpm_vdot(flight->direction, n);
+    return t >= 0.0 ? t * (1.0 + 1e-9) : INFINITY;
+}
+
 static void travel(const errand *e, size_t ray, journey *j) {
     const cpm_rays_request *q = e->request;
     const double *r = &q->origins[3 * ray], *d = &q->directions[3 * ray];
@@ -138,7 +147,8 @@ static void travel(const errand *e, size_t ray, journey *j) {
     flight.region = cpm_region_at(e->pass, flight.position, flight.direction);
     for (int i = 0; i < MAX_BOUNDARIES; i++) {
         cpm_arrival arrival;
-        cpm_follow_options options = {.max_evaluations = q->max_evaluations, .sink = keep_piece, .user = j};
+        cpm_follow_options options = {.max_evaluations = q->max_evaluations, .sink = keep_piece, .user = j,
+                                      .far = far_enough(q, &flight, wanted - j->length)};
         size_t from = j->count;
         cpm_follow(e->pass, &flight, 1, &options, &arrival);
         add_up(j, &arrival, i == 0);

@@ -75,7 +75,7 @@ static void curves_meet_what_brute_force_meets(void **state) {
     for (int trial = 0; trial < 120; trial++) {
         cpm_curve k = random_curve(trial % 2 ? 2 : 5, trial % 3 ? 1.0 : 0.05);
         cpm_hit hit;
-        cpm_geometry_curve(g, &k, 1.0, -1, 0.0, &hit);
+        cpm_geometry_curve(g, &k, 1.0, -1, 0.0, NULL, &hit);
         long double best = 2.0L;
         for (size_t i = 0; i < TRIANGLES; i++) {
             long double t = march(&k, &triangles[i], 0.0);
@@ -108,8 +108,8 @@ static void straight_rays_agree_with_the_curve_scene(void **state) {
     for (int trial = 0; trial < 20000; trial++) {
         cpm_vec o = random_point(1.5), d = cpm_unit(random_point(1.0));
         cpm_hit fast, exact;
-        cpm_geometry_straight(g, o, d, -1, 0.0, 0, &fast);
-        cpm_geometry_straight(g, o, d, -1, 0.0, 1, &exact);
+        cpm_geometry_straight(g, o, d, -1, 0.0, NULL, 0, &fast);
+        cpm_geometry_straight(g, o, d, -1, 0.0, NULL, 1, &exact);
         on_sphere += exact.primitive >= TRIANGLES;
         if (fast.primitive != exact.primitive) differ++; /* within float of an edge */
         else if (fast.primitive >= 0) assert_true(fabs(fast.t - exact.t) < 1e-12 * (1.0 + fast.t));
@@ -132,7 +132,7 @@ static void a_ray_leaves_the_sphere_it_starts_on_and_meets_it_again(void **state
         cpm_vec n = cpm_unit(random_point(1.0)), d = cpm_unit(random_point(1.0));
         double c = -cpm_vdot(n, d);
         cpm_hit hit;
-        cpm_geometry_straight(g, n, d, 0, 0.0, trial % 2, &hit);
+        cpm_geometry_straight(g, n, d, 0, 0.0, NULL, trial % 2, &hit);
         if (c > 1e-6) { /* inward: the far side, 2 cos theta away */
             assert_int_equal(hit.primitive, 0);
             assert_true(fabs(hit.t - 2.0 * c) < 1e-12);
@@ -156,7 +156,7 @@ static void a_curve_falls_back_on_the_triangle_that_it_left(void **state) {
     cpm_curve k = {.degree = 2};
     k.c[0] = cpm_v(1.0, 0.0, 1.0), k.c[1] = cpm_v(1.0, 3.0, 0.5), k.c[2] = cpm_v(0.0, -4.0, 0.0);
     cpm_hit hit;
-    cpm_geometry_curve(g, &k, 1.0, 0, 0.0, &hit);
+    cpm_geometry_curve(g, &k, 1.0, 0, 0.0, NULL, &hit);
     assert_int_equal(hit.primitive, 0);
     assert_true(fabs(hit.t - 0.75) < 1e-15);
     cpm_geometry_free(g);
@@ -207,9 +207,9 @@ static void nothing_leaves_a_closed_box(void **state) {
             cpm_curve k = {.degree = 2};
             if (curved) {
                 k.c[0] = at, k.c[1] = cpm_scaled(20.0, d), k.c[2] = cpm_v(0.0, -9.0, 3.0);
-                cpm_geometry_curve(g, &k, 1.0, left, 0.0, &hit);
+                cpm_geometry_curve(g, &k, 1.0, left, 0.0, NULL, &hit);
             } else {
-                cpm_geometry_straight(g, at, d, left, 0.0, near_edge, &hit);
+                cpm_geometry_straight(g, at, d, left, 0.0, NULL, near_edge, &hit);
             }
             assert_true(hit.primitive >= 0);
             at = cpm_geometry_step_back(g, &hit, at, curved ? cpm_unit(cpm_curve_tangent(&k, hit.t)) : d);

@@ -1,6 +1,6 @@
-/* test_map.c: the photon map's tree against two oracles that sort all distances: one in double, for the radius and for
- * sums where no two photons are too nearly as far as the k-th; one in the map's own single-precision arithmetic, which the
- * result has to meet bit for bit. Then what must not matter: order, threads, the last query, the instruction set. */
+/* test_map.c: the photon map's tree against two oracles that sort all distances. One in double: for the radius, and for
+ * sums where no other photon is nearly as far as the k-th. One in the map's own single-precision arithmetic, which the
+ * radius has to meet bit for bit. Then what must not matter: order, threads, the last query, the instruction set. */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -26,9 +26,7 @@ typedef struct ask {
 
 /* --- clouds ---------------------------------------------------------------------------------------------------- */
 
-static double uniform(uint32_t i, uint32_t what) {
-    return cpm_uniform(cpm_philox(42, i, what / 4, 7, 0).v[what % 4]);
-}
+static double uniform(uint32_t i, uint32_t what) { return cpm_uniform(cpm_philox(42, i, what / 4, 7, 0).v[what % 4]); }
 
 typedef enum shape { VOLUME, CUBE, SHELL, CLUSTERS, OUTLIER, LATTICE, WALL, POINT, HUGE_CUBE, TINY_CUBE, LINE } shape;
 static const char *const shape_names[] = {"volume", "cube",  "shell",     "clusters",  "outlier", "lattice",
@@ -136,7 +134,8 @@ static cpm_tree *tree_of(cloud *c, int32_t threads) {
     cpm_context *context = NULL;
     assert_int_equal(cpm_context_create(&options, &context), CPM_OK);
     cpm_tree *tree = NULL;
-    assert_ok(context, cpm_tree_build(context, c->photons, c->spectra, c->count, c->spectra_count, c->bins, SCALE, &tree));
+    assert_ok(context,
+              cpm_tree_build(context, c->photons, c->spectra, c->count, c->spectra_count, c->bins, SCALE, &tree));
     cpm_context_release(context);
     assert_non_null(tree);
     assert_int_equal(cpm_tree_count(tree), c->count);
@@ -211,10 +210,13 @@ static int oracle(const cloud *c, const ask *q, size_t k, double max_radius, int
         const cpm_photon *p = all[i].photon;
         const uint16_t *s = c->spectra + p->spectrum;
         for (size_t b = 0; b < c->bins; b++)
-            if (p->bin == CPM_ALL_BINS) sum[b] += (double)cpm_half_to_float(s[b]);
-            else if (p->bin == b) sum[b] += (double)cpm_half_to_float(s[0]);
+            if (p->bin == CPM_ALL_BINS)
+                sum[b] += (double)cpm_half_to_float(s[b]);
+            else if (p->bin == b)
+                sum[b] += (double)cpm_half_to_float(s[0]);
     }
-    double radius2 = n >= k ? all[k - 1].distance2 / (single ? (double)unit * (double)unit : 1.0) : max_radius * max_radius;
+    double radius2 =
+        n >= k ? all[k - 1].distance2 / (single ? (double)unit * (double)unit : 1.0) : max_radius * max_radius;
     double largest = 0.0;
     for (int a = 0; a < 3; a++) largest = fmax(largest, fabs((double)(q->point[a] * unit)));
     const double least = 0x1p-24 * fmax(largest, 0x1p-24) / (double)unit;
@@ -230,7 +232,8 @@ static void close_to(double got, double wanted, double relative, const char *wha
         fail_msg("%s, query %u: %s is %.17g, wanted %.17g", shape_names[s], i, what, got, wanted);
 }
 
-static void check_queries(const cloud *c, const cpm_tree *tree, shape s, uint32_t queries, int32_t k, double max_radius) {
+static void check_queries(const cloud *c, const cpm_tree *tree, shape s, uint32_t queries, int32_t k,
+                          double max_radius) {
     cpm_query *query = cpm_query_create(tree);
     assert_non_null(query);
     double got[64], wanted[64];
@@ -343,6 +346,7 @@ static void order_threads_and_guesses_do_not_matter(void **state) {
             assert_memory_equal(other->photons, tree->photons, tree->count * sizeof *tree->photons);
             assert_memory_equal(other->spectra, tree->spectra, tree->spectra_count * sizeof *tree->spectra);
             assert_memory_equal(other->points, tree->points, 3 * tree->count * sizeof *tree->points);
+            assert_memory_equal(other->nodes, tree->nodes, tree->node_count * sizeof *tree->nodes);
             for (int backwards = 0; backwards < 2; backwards++) {
                 double *got = answers(other, shapes[s], 60, backwards, NULL, &places);
                 assert_memory_equal(got, wanted, MANY * 6 * sizeof *got);

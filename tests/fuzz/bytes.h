@@ -18,6 +18,8 @@
 
 typedef struct bytes {
     const uint8_t *next, *end;
+    int wild; /* a number beyond 1e7 has been taken: its square may overflow where it is summed, and NaN be the answer
+               */
 } bytes;
 
 static inline uint8_t take_byte(bytes *b) { return b->next < b->end ? *b->next++ : 0; }
@@ -35,6 +37,7 @@ static inline double take_number(bytes *b) {
     for (size_t i = 0; i < sizeof raw; i++) raw[i] = take_byte(b);
     double any;
     memcpy(&any, raw, sizeof any);
+    b->wild |= !(fabs(any) <= 1e7);
     return any;
 }
 

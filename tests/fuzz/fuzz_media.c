@@ -74,14 +74,14 @@ static void trace(bytes *b, cpm_context *context, cpm_medium *medium) {
     }
     for (int i = 0; i < RAYS; i++) {
         require(cpm_ray_status_string((cpm_ray_status)status[i])[0] != 'u'); /* "unknown status" */
-        for (int k = 0; k < 3; k++) require(!isnan(position[i][k]));
-        require(!isnan(path[i]));
+        for (int k = 0; k < 3; k++) require(b->wild || !isnan(position[i][k]));
+        require(b->wild || !isnan(path[i]));
     }
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
-    bytes b = {data, data + size};
+    bytes b = {data, data + size, 0};
     const cpm_context_options options = {.struct_size = sizeof options, .threads = 1};
     cpm_context *context = NULL;
     require(cpm_context_create(&options, &context) == CPM_OK);

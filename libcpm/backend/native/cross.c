@@ -15,26 +15,75 @@ cpm_flight cpm_depart(const cpm_pass *pass, const cpm_flight *flight, const cpm_
     return next;
 }
 
-/* The region behind, and whether it fits. */
-static int region_behind(const cpm_pass *pass, const cpm_flight *flight, const cpm_arrival *arrival, cpm_vec normal,
-                         cpm_region *region) {
+int cpm_is_boundary(const cpm_pass *pass, int32_t primitive) {
+    const shape *s = &pass->scene->shapes[cpm_primitive_shape(pass->scene, primitive)];
+    return s->material == CPM_NO_MATERIAL || pass->scene->materials[s->material].kind == CPM_MATERIAL_DIELECTRIC;
+}
+
+static int enters(const cpm_pass *pass, int32_t primitive, cpm_vec position, cpm_vec direction) {
+    const cpm_hit hit = {.primitive = primitive, .position = position};
+    return cpm_vdot(direction, cpm_geometric_normal(pass->scene, &hit)) < 0.0;
+}
+
+int cpm_boundary_counts(const cpm_pass *pass, const cpm_region *region, int32_t primitive, cpm_vec position,
+                        cpm_vec direction) {
+    if (!cpm_is_boundary(pass, primitive)) return 1;
+    cpm_region trial = *region;
+    int32_t medium = pass->scene->shapes[cpm_primitive_shape(pass->scene, primitive)].medium;
+    if (medium <= 0) return 0;
+    cpm_region_cross(&trial, medium, enters(pass, primitive, position, direction));
+    return trial.count != region->count;
+}
+
+typedef struct crossing {
+    const cpm_pass *pass;
+    const cpm_region *region;
+} crossing;
+
+static int counts(void *user, int32_t primitive, cpm_vec position, cpm_vec direction) {
+    const crossing *c = user;
+    return cpm_boundary_counts(c->pass, c->region, primitive, position, direction);
+}
+
+int32_t cpm_cross_all(const cpm_pass *pass, const cpm_hit *hit, cpm_vec direction, cpm_region *region) {
     const cpm_scene *scene = pass->scene;
-    int32_t medium = scene->shapes[cpm_primitive_shape(scene, arrival->hit.primitive)].medium;
+    int32_t primitive = hit->primitive;
+    if (scene->medium_count == 1) return -1;
+    for (int i = 0; i < 2 * CPM_MAX_NESTED; i++) {
+        int32_t medium = scene->shapes[cpm_primitive_shape(scene, primitive)].medium;
+        if (medium > 0 && !cpm_region_cross(region, medium, enters(pass, primitive, hit->position, direction))) return -2;
+        /* anything else within a hair of the place, before or behind? */
+        double hair = CPM_COINCIDE * pass->reach;
+        cpm_curve line = {.degree = 1};
+        crossing c = {pass, region};
+        const cpm_filter filter = {counts, &c};
+        cpm_hit other;
+        line.c[0] = hit->position, line.c[1] = cpm_scaled(hair, direction);
+        cpm_geometry_curve(pass->geometry, &line, 1.0, primitive, 1.0, &filter, &other);
+        if (other.primitive < 0) return -1;
+        if (!cpm_is_boundary(pass, other.primitive)) return other.primitive;
+        primitive = other.primitive;
+    }
+    return -1;
+}
+
+/* The region behind, and whether it fits. */
+static int region_behind(const cpm_pass *pass, const cpm_flight *flight, const cpm_arrival *arrival,
+                         cpm_region *region) {
     *region = flight->region;
-    return medium <= 0 || cpm_region_cross(region, medium, cpm_vdot(arrival->direction, normal) < 0.0);
+    return cpm_cross_all(pass, &arrival->hit, arrival->direction, region) != -2;
 }
 
 int32_t cpm_medium_behind(const cpm_pass *pass, const cpm_flight *flight, const cpm_arrival *arrival) {
     cpm_region region;
-    cpm_vec normal = cpm_geometric_normal(pass->scene, &arrival->hit);
-    return region_behind(pass, flight, arrival, normal, &region) ? cpm_region_medium(&region)
+    return region_behind(pass, flight, arrival, &region) ? cpm_region_medium(&region)
                                                                  : cpm_region_medium(&flight->region);
 }
 
 int cpm_pass_boundary(const cpm_pass *pass, const cpm_flight *flight, const cpm_arrival *arrival, cpm_passage *passage) {
     cpm_vec geometric = cpm_geometric_normal(pass->scene, &arrival->hit);
     cpm_region region;
-    if (!region_behind(pass, flight, arrival, geometric, &region)) return 0;
+    if (!region_behind(pass, flight, arrival, &region)) return 0;
     passage->jumps = passage->total = 0;
     passage->reflectance = 0.0;
     passage->transmitted = cpm_depart(pass, flight, arrival, arrival->direction);

@@ -5,12 +5,23 @@
 
 #define CPM_EQUAL_INDEX 1e-9 /* a jump of n below this is none */
 
+#define CPM_COINCIDE 1e-11    /* of the scene: surfaces closer than this along a ray are one */
+
 typedef struct cpm_passage {
     int32_t jumps;           /* n jumps: Snell and Fresnel; else `transmitted` goes straight on */
     int32_t total;           /* total reflection: there is no `transmitted` */
     double reflectance;      /* Fresnel, 0 without a jump */
     cpm_flight reflected, transmitted;
 } cpm_passage;
+
+/* Only bounds a medium, or is a dielectric. */
+int cpm_is_boundary(const cpm_pass *pass, int32_t primitive);
+/* Would passing this primitive in this direction change the region? Surfaces always count. */
+int cpm_boundary_counts(const cpm_pass *pass, const cpm_region *region, int32_t primitive, cpm_vec position,
+                        cpm_vec direction);
+/* Crosses the boundary that was hit and all that coincide with it. Returns a surface that coincides too, else -1; -2
+ * where more than CPM_MAX_NESTED media would overlap. */
+int32_t cpm_cross_all(const cpm_pass *pass, const cpm_hit *hit, cpm_vec direction, cpm_region *region);
 
 /* The medium behind the boundary that the arrival is at, for the flight that came there. */
 int32_t cpm_medium_behind(const cpm_pass *pass, const cpm_flight *flight, const cpm_arrival *arrival);

@@ -8,14 +8,27 @@
 #include <string.h>
 
 #include "advance.h"
+#include "cross.h"
 
 #define MAX_PIECES 100000      /* of a closed form; then evaluations_exhausted */
-#define SLACK 1e-11            /* of the scene: how far behind its start a crossing ray looks */
+#define SLACK CPM_COINCIDE     /* how far behind its start a crossing ray looks */
 
 /* A surface at the very place where one piece ends and the next begins may be missed by both, by rounding; so may one
  * that coincides with a boundary just passed. Such starts look back a little. */
+typedef struct start {
+    const cpm_pass *pass;
+    const cpm_flight *flight;
+} start;
+
 static double slack_of(const cpm_pass *pass, const cpm_flight *flight, int first) {
     return flight->crossing || !first ? SLACK * pass->reach : 0.0;
+}
+
+/* A boundary met at the very start counts only if passing it changes what contains the ray: not the other half of the
+ * face just crossed, nor a face that two media share. */
+static int boundary_counts(void *user, int32_t primitive, cpm_vec position, cpm_vec direction) {
+    const start *s = user;
+    return cpm_boundary_counts(s->pass, &s->flight->region, primitive, position, direction);
 }
 
 static void begin(const cpm_flight *flight, cpm_arrival *arrival) {
@@ -61,8 +74,10 @@ static double end_of_piece(const cpm_pass *pass, const cpm_flight *flight, const
     double out = leaves_extent(pass, curve, 1.0), end = cpm_min(1.0, out);
     double speed = cpm_norm(curve->c[1]); /* dr/dtheta */
     cpm_hit hit;
+    start from = {pass, flight};
+    const cpm_filter filter = {boundary_counts, &from};
     cpm_geometry_curve(pass->geometry, curve, end, first ? flight->left : -1,
-                       speed > 0.0 ? slack_of(pass, flight, first) / speed : 0.0, &hit);
+                       speed > 0.0 ? slack_of(pass, flight, first) / speed : 0.0, &filter, &hit);
     if (hit.primitive >= 0) {
         arrive(arrival, curve, hit.t, CPM_RAY_HIT);
         hit.position = arrival->hit.position;
@@ -106,9 +121,11 @@ static void follow_straight(const cpm_pass *pass, const cpm_flight *flight, cons
     int32_t medium = cpm_region_medium(&flight->region);
     begin(flight, arrival);
     arrival->n = pass->index[(size_t)medium * pass->bins + (size_t)(flight->bin < 0 ? pass->middle : flight->bin)];
+    start from = {pass, flight};
+    const cpm_filter filter = {boundary_counts, &from};
     cpm_geometry_straight(pass->geometry, flight->position, flight->direction, flight->left, slack_of(pass, flight, 1),
-                          flight->exact, &arrival->hit);
-    double length = arrival->hit.t, out = INFINITY;
+                          &filter, flight->exact, &arrival->hit);
+    double length = arrival->hit.t, out = options ? options->far : INFINITY;
     if (pass->bounded) {
         const double r[3] = {flight->position.x, flight->position.y, flight->position.z};
         const double d[3] = {flight->direction.x, flight->direction.y, flight->direction.z};
@@ -117,6 +134,7 @@ static void follow_straight(const cpm_pass *pass, const cpm_flight *flight, cons
             if (d[k] != 0.0) out = cpm_min(out, cpm_max(t, 0.0));
         }
     }
+
     arrival->status = CPM_RAY_HIT;
     if (arrival->hit.primitive < 0 || arrival->hit.t > out) {
         arrival->status = CPM_RAY_LEFT;
@@ -317,6 +335,16 @@ static void follow_integrated(const cpm_pass *pass, const cpm_flight *flights, s
     }
 }
 
+/* A surface that coincides with a boundary stands before it: what lies on a floor does not let the ray into the floor. */
+static void prefer_surface(const cpm_pass *pass, const cpm_flight *flight, cpm_arrival *arrival) {
+    if (arrival->status != CPM_RAY_HIT || !cpm_is_boundary(pass, arrival->hit.primitive)) return;
+    cpm_region region = flight->region;
+    int32_t surface = cpm_cross_all(pass, &arrival->hit, arrival->direction, &region);
+    if (surface < 0) return;
+    arrival->hit.primitive = surface;
+    arrival->hit.u = arrival->hit.v = 1.0 / 3.0;
+}
+
 void cpm_follow(const cpm_pass *pass, const cpm_flight *flights, size_t count, const cpm_follow_options *options,
                 cpm_arrival *arrivals) {
     for (size_t i = 0; i < count; i++) {
@@ -324,7 +352,10 @@ void cpm_follow(const cpm_pass *pass, const cpm_flight *flights, size_t count, c
         if (way == CPM_WAY_STRAIGHT) follow_straight(pass, &flights[i], options, i, &arrivals[i]);
         else if (way == CPM_WAY_EXACT) follow_exact(pass, &flights[i], options, i, &arrivals[i]);
     }
-    if (!(pass->features & CPM_FEATURE_INTEGRATOR)) return;
-    for (size_t m = 0; m < pass->scene->medium_count; m++)
-        if (pass->way[m] == CPM_WAY_INTEGRATED) follow_integrated(pass, flights, count, (int32_t)m, options, arrivals);
+    if (pass->features & CPM_FEATURE_INTEGRATOR)
+        for (size_t m = 0; m < pass->scene->medium_count; m++)
+            if (pass->way[m] == CPM_WAY_INTEGRATED)
+                follow_integrated(pass, flights, count, (int32_t)m, options, arrivals);
+    if (pass->features & CPM_FEATURE_BOUNDARIES)
+        for (size_t i = 0; i < count; i++) prefer_surface(pass, &flights[i], &arrivals[i]);
 }

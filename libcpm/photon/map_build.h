@@ -1,0 +1,31 @@
+/* photon/map_build.h: what the stages of building a tree hand on. Internal to the builder. */
+#ifndef CPM_PHOTON_MAP_BUILD_H
+#define CPM_PHOTON_MAP_BUILD_H
+#include "map_grow.h"
+
+typedef struct cpm_plan { /* a node of the upper tree, or a run */
+    size_t first, count;
+    int n, children[CPM_WIDE]; /* n = 0: a run, one thread's work */
+    cpm_child made;
+    int thread;
+    size_t node_first, node_count; /* a run's nodes, in its thread's grove */
+} cpm_plan;
+
+typedef struct cpm_builder {
+    cpm_context *context;
+    cpm_tree *tree;
+    cpm_photon *given;
+    uint16_t *given_spectra;
+    uint64_t *keys;
+    cpm_plan *plans; /* parents before children */
+    size_t plan_count, plan_capacity;
+    float low[3], high[3]; /* box of all, metres */
+    int index_bits, threads;
+} cpm_builder;
+
+/* Keys, and the upper part of the tree down to runs that one thread can take. Until photons move there, the memory of
+ * tree->photons is scratch. 0: out of memory. */
+int32_t cpm_builder_plan(cpm_builder *builder);
+/* The runs' subtrees, by all threads, and the nodes above them: fills photons, points, nodes. 0: out of memory. */
+int32_t cpm_builder_grow(cpm_builder *builder);
+#endif
