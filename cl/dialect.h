@@ -353,7 +353,7 @@ CPM_INLINE void store_flags(mask v, cpm_i64 *p, int part) {
     memcpy(p + part * CPM_WIDTH, &d, sizeof d);
 }
 #endif
-CPM_INLINE real3 load3_doubles(double (*p)[8], int part) {
+CPM_INLINE real3 load3_doubles(const double (*p)[8], int part) {
     return triple(load_doubles(p[0], part), load_doubles(p[1], part), load_doubles(p[2], part));
 }
 CPM_INLINE void store3_doubles(real3 v, double (*p)[8], int part) {

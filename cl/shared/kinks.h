@@ -3,102 +3,115 @@
  *
  * A step across such a face has an error that no order helps against. So a step ends a hair before the next face along
  * the parabola of its start, and the next one begins with g from a hair beyond it. What the parabola misses of the true
- * path the drift of |p| shows (step.h). A hair is 1e-9 of a cell, or what rounding leaves of the coordinate. */
+ * path the drift of |p| shows (step.h). Within a hair the wrong g is used: it is as short as makes n wrong by 0.001 rtol at
+ * the most, but not below what rounding leaves of the coordinate. */
 #ifndef CPM_SHARED_KINKS_H
 #define CPM_SHARED_KINKS_H
 #include "step_trial.h"
 
-#define CPM_HAIR 1e-9
+#define CPM_ROUNDING (CPM_SINGLE ? 1.2e-7 : 2.3e-16)
 #define CPM_NO_KINK (CPM_SINGLE ? 1e37 : 1e299) /* sigma */
 
-typedef struct {
-    real sigma;  /* to the next face */
-    real3 nudge; /* metres: a few hairs along the ray */
-    mask near;   /* a face is within a few hairs */
-} cpm_kink;
-
-/* Sigma to reach `d` (> 0, in cells) at a speed and an acceleration towards it; where it turns back before, to the turn. */
-CPM_INLINE real cpm_reach(real d, real speed, real pull) {
-    real square = speed * speed + R(2.0) * pull * d;
-    mask turns = less(square, splat(0.0));
-    real divisor = pick(turns, -pull, R(0.5) * (speed + root(larger(square, splat(0.0))))) + R(1e-37);
-    return pick(turns, speed, d) / divisor;
-}
-
-/* One coordinate u (in cells) of a ray with faces `below` < u + 3 hairs < `above`; CPM_NO_KINK away: none. */
+/* One coordinate u (in cells) with faces `below` and `above`, as seen a few hairs ahead: sigma to the one in front, or,
+ * where the ray turns back before, to the one behind: the root of speed x + pull x^2/2 = distance. */
 CPM_INLINE real cpm_kink_along(real u, real hair, real forward, real speed, real pull, real below, real above) {
-    real face = pick(less(splat(0.0), forward), above, below);
-    real d = forward * (face - u) - hair;
-    mask there = less(splat(0.0), d) & less(magnitude(face), splat(CPM_NO_KINK));
-    return pick(there, cpm_reach(d, speed, forward * pull), splat(CPM_NO_KINK));
+    const real zero = splat(0.0), none = splat(CPM_NO_KINK);
+    mask up = less(zero, forward);
+    real front = pick(up, above, below), behind = pick(up, below, above), square = speed * speed;
+    pull = forward * pull;
+    real d = larger(forward * (front - u) - hair, zero), e = larger(forward * (u - behind) - hair, zero);
+    real reach = square + R(2.0) * pull * d;
+    mask turns = less(reach, zero); /* then pull < 0 */
+    real root_of = root(pick(turns, square - R(2.0) * pull * e, reach));
+    real sigma = pick(turns, (speed + root_of) / -pull, R(2.0) * d / (speed + root_of + R(1e-37)));
+    mask there = less(magnitude(pick(turns, behind, front)), none);
+    return pick(there, smaller(sigma, none), none);
 }
 
-CPM_INLINE void cpm_kink_of_axis(const cpm_medium_data *m, int axis, real x, real p, real g, cpm_kink *k, real *nudge) {
-    const real none = splat(CPM_NO_KINK), zero = splat(0.0), last = splat(m->size[axis] - 1);
-    const scalar per = R(m->axis[axis]), origin = R(m->origin[axis]);
-    *nudge = zero;
-    if (m->size[axis] < 2) return;
-    real forward = pick(less(p, zero), splat(-1.0), splat(1.0));
-    real hair = R(CPM_HAIR) + R(8.0 * (CPM_SINGLE ? 1.2e-7 : 2.3e-16)) * (magnitude(x) + splat(fabs(m->origin[axis]))) * per;
-    real u = (x - origin) * per, ahead = u + R(3.0) * hair * forward, behind = u - R(3.0) * hair * forward;
-    real above = pick(less(ahead, zero), zero, last), below = pick(less(last, ahead), last, zero);
-    if (m->interpolation == CPM_FIELD_LINEAR) {
-        real inside = smaller(larger(ahead, splat(-1.0)), last); /* floor_lanes takes no huge numbers */
-        above = larger(floor_lanes(inside) + R(1.0), zero);
-        inside = smaller(larger(ahead, zero), last + R(1.0));
-        below = smaller(R(-1.0) - floor_lanes(-inside), last);
-        k->near |= less(floor_lanes(smaller(larger(larger(u, ahead), behind), last)), floor_lanes(larger(smaller(smaller(u, ahead), behind), splat(-1.0)))) | 
-                   ~equal(floor_lanes(smaller(larger(ahead, splat(-1.0)), last)), floor_lanes(smaller(larger(behind, splat(-1.0)), last)));
-    }
-    above = pick(less(last, ahead), none, above);
-    below = pick(less(ahead, zero), -none, below);
-    k->near |= less(ahead * behind, zero) | less((ahead - last) * (behind - last), zero);
-    k->sigma = smaller(k->sigma, cpm_kink_along(u, hair, forward, magnitude(p) * per, g * per, below, above));
-    *nudge = R(4.0) * forward * hair / per;
+CPM_INLINE scalar cpm_hair(const cpm_medium_data *m, double rtol) { return R(fmin(1e-3 * rtol / m->jump, 1e-3 * m->feature)); }
+CPM_INLINE real cpm_hair_of_axis(const cpm_medium_data *m, scalar hair, int axis, real x) { /* metres, as all hairs */
+    return hair + R(8.0 * CPM_ROUNDING) * (magnitude(x) + splat(fabs(m->origin[axis])));
 }
+CPM_INLINE real cpm_hair_of_layers(const cpm_medium_data *m, scalar hair, real3 r) {
+    return hair + R(8.0 * CPM_ROUNDING) * (magnitude(r.x) + magnitude(r.y) + magnitude(r.z) +
+                                           splat(fabs(m->origin[0]) + fabs(m->origin[1]) + fabs(m->origin[2])));
+}
+CPM_INLINE real cpm_forward(real p) { return pick(less(p, splat(0.0)), splat(-1.0), splat(1.0)); }
+CPM_INLINE real cpm_clip(real x, real low, real high) { return larger(smaller(x, high), low); }
 
-CPM_INLINE void cpm_kink_of_layers(const cpm_medium_data *m, CPM_GLOBAL const double *table, real3 r, real3 p, real3 g,
-                                   cpm_kink *k) {
-    const real none = splat(CPM_NO_KINK), zero = splat(0.0), last = splat(m->size[0]);
-    const scalar x = R(m->axis[0]), y = R(m->axis[1]), z = R(m->axis[2]);
-    real speed = p.x * x + p.y * y + p.z * z, pull = g.x * x + g.y * y + g.z * z;
-    real forward = pick(less(speed, zero), splat(-1.0), splat(1.0)), u = cpm_along_axis(m, r);
-    real size = magnitude(r.x) + magnitude(r.y) + magnitude(r.z) +
-                splat(fabs(m->origin[0]) + fabs(m->origin[1]) + fabs(m->origin[2]));
-    real hair = splat(1e-3 * CPM_HAIR * (m->high - m->low)) + R(8.0 * (CPM_SINGLE ? 1.2e-7 : 2.3e-16)) * size;
+/* Sigma to the next face across one axis of a grid; *near |= a face is within 3 hairs. */
+CPM_INLINE real cpm_kink_of_axis(const cpm_medium_data *m, scalar thin, int axis, real x, real p, real g, mask *near) {
+    const real none = splat(CPM_NO_KINK), zero = splat(0.0), one = splat(1.0), last = splat(m->size[axis] - 1);
+    const scalar per = R(m->axis[axis]);
+    if (m->size[axis] < 2) return none;
+    real forward = cpm_forward(p), hair = cpm_hair_of_axis(m, thin, axis, x) * per, u = (x - R(m->origin[axis])) * per;
     real ahead = u + R(3.0) * hair * forward, behind = u - R(3.0) * hair * forward;
-    real low = splat(m->low), high = splat(m->high), above = pick(less(ahead, low), low, high);
-    real below = pick(less(high, ahead), high, low);
-    k->near |= less((ahead - low) * (behind - low), zero) | less((ahead - high) * (behind - high), zero);
+    real above = pick(less(ahead, zero), zero, last), below = pick(less(last, ahead), last, zero);
+    mask crossed = less(ahead * behind, zero) | less((ahead - last) * (behind - last), zero);
+    if (m->interpolation == CPM_FIELD_LINEAR) { /* clipped: floor_lanes takes no huge numbers */
+        real cell = floor_lanes(cpm_clip(ahead, -one, last));
+        above = cell + one;
+        below = -one - floor_lanes(-cpm_clip(ahead, zero, last + one));
+        crossed = ~equal(cell, floor_lanes(cpm_clip(behind, -one, last)));
+    }
+    above = pick(at_most(last, ahead), none, above);
+    below = pick(at_most(ahead, zero), -none, below);
+    *near |= crossed;
+    return cpm_kink_along(u, hair, forward, magnitude(p) * per, g * per, below, above);
+}
+
+/* The same for layers. */
+CPM_INLINE real cpm_kink_of_layers(const cpm_medium_data *m, CPM_GLOBAL const double *table, scalar thin,
+                                   const cpm_point *a, mask *near) {
+    const real none = splat(CPM_NO_KINK), low = splat(m->low), high = splat(m->high), one = splat(1.0);
+    real3 up = cpm_times_axis(m, one);
+    real speed = dot3(a->p, up), forward = cpm_forward(speed), hair = cpm_hair_of_layers(m, thin, a->r);
+    real u = cpm_along_axis(m, a->r), ahead = u + R(3.0) * hair * forward, behind = u - R(3.0) * hair * forward;
+    real above = pick(less(ahead, low), low, high), below = pick(less(high, ahead), high, low);
+    mask crossed = less((ahead - low) * (behind - low), splat(0.0)) | less((ahead - high) * (behind - high), splat(0.0));
     if (m->interpolation == CPM_FIELD_LINEAR_SQUARED) {
         mask layer = cpm_layer_of(m, table, ahead);
-        real number = to_reals(layer);
-        cpm_rows rows = rows_at(table, to_integers(smaller(number, last - R(1.0))) + splat_mask(m->heights));
+        real number = to_reals(layer), last = splat(m->size[0] - 1);
+        cpm_rows rows = rows_at(table, to_integers(smaller(number, last)) + splat_mask(m->heights));
         above = fetch(&rows, 0);
-        rows = rows_at(table, to_integers(larger(number - R(1.0), zero)) + splat_mask(m->heights));
+        rows = rows_at(table, to_integers(larger(number - one, splat(0.0))) + splat_mask(m->heights));
         below = fetch(&rows, 0);
-        k->near |= ~equal(layer, cpm_layer_of(m, table, behind));
+        crossed = ~equal(layer, cpm_layer_of(m, table, behind));
     }
-    above = pick(less(high, ahead), none, above);
-    below = pick(less(ahead, low), -none, below);
-    k->sigma = cpm_kink_along(u, hair, forward, magnitude(speed), pull, below, above);
-    k->nudge = cpm_times_axis(m, R(4.0) * forward * hair);
+    above = pick(at_most(high, ahead), none, above);
+    below = pick(at_most(ahead, low), -none, below);
+    *near |= crossed;
+    return cpm_kink_along(u, hair, forward, magnitude(speed), dot3(a->g, up), below, above);
 }
 
-CPM_INLINE int cpm_has_kinks(const cpm_medium_data *m) {
-    return CPM_IS_KIND(m, CPM_MEDIUM_LAYERED) || CPM_IS_KIND(m, CPM_MEDIUM_GRID);
+/* Kinks that matter at this tolerance: in every cell a step over one of relative size k has an error of about k/20; those
+ * at the ends of a smooth table are few and always worth it, but for slopes of rounding. */
+CPM_INLINE int cpm_has_kinks(const cpm_medium_data *m, double rtol) {
+    return m->interpolation == CPM_FIELD_CUBIC ? m->jump * m->feature > 0.1 * rtol : m->kink > 20.0 * rtol;
 }
-CPM_INLINE cpm_kink cpm_next_kink(const cpm_medium_data *m, CPM_GLOBAL const double *table, const cpm_point *a) {
-    cpm_kink k;
-    k.sigma = splat(CPM_NO_KINK);
-    k.nudge = triple(splat(0.0), splat(0.0), splat(0.0));
-    k.near = splat_mask(0);
-    if (CPM_IS_KIND(m, CPM_MEDIUM_LAYERED)) cpm_kink_of_layers(m, table, a->r, a->p, a->g, &k);
-    if (CPM_IS_KIND(m, CPM_MEDIUM_GRID)) {
-        cpm_kink_of_axis(m, 0, a->r.x, a->p.x, a->g.x, &k, &k.nudge.x);
-        cpm_kink_of_axis(m, 1, a->r.y, a->p.y, a->g.y, &k, &k.nudge.y);
-        cpm_kink_of_axis(m, 2, a->r.z, a->p.z, a->g.z, &k, &k.nudge.z);
+
+/* Sigma to a hair before the next face; *near: one is within a few hairs already. */
+CPM_INLINE real cpm_next_kink(const cpm_medium_data *m, CPM_GLOBAL const double *table, double rtol, const cpm_point *a,
+                              mask *near) {
+    const scalar thin = cpm_hair(m, rtol);
+    *near = splat_mask(0);
+    if (CPM_IS_KIND(m, CPM_MEDIUM_LAYERED)) return cpm_kink_of_layers(m, table, thin, a, near);
+    real x = cpm_kink_of_axis(m, thin, 0, a->r.x, a->p.x, a->g.x, near);
+    real y = cpm_kink_of_axis(m, thin, 1, a->r.y, a->p.y, a->g.y, near);
+    return smaller(smaller(x, y), cpm_kink_of_axis(m, thin, 2, a->r.z, a->p.z, a->g.z, near));
+}
+
+/* A place a few hairs along the ray, on the other side of a face that is that near. */
+CPM_INLINE real3 cpm_beyond_kink(const cpm_medium_data *m, double rtol, const cpm_point *a) {
+    const scalar thin = cpm_hair(m, rtol), few = R(4.0);
+    if (CPM_IS_KIND(m, CPM_MEDIUM_LAYERED)) {
+        real3 up = cpm_times_axis(m, splat(1.0));
+        return add3(a->r, few * cpm_forward(dot3(a->p, up)) * cpm_hair_of_layers(m, thin, a->r), up);
     }
-    return k;
+    real3 r = a->r;
+    r.x += few * cpm_forward(a->p.x) * cpm_hair_of_axis(m, thin, 0, r.x);
+    r.y += few * cpm_forward(a->p.y) * cpm_hair_of_axis(m, thin, 1, r.y);
+    r.z += few * cpm_forward(a->p.z) * cpm_hair_of_axis(m, thin, 2, r.z);
+    return r;
 }
 #endif

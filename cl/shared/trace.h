@@ -111,7 +111,7 @@ CPM_INLINE void cpm_trace_range(const cpm_step_control *c, const cpm_medium_data
     }
     cpm_lane_rays rays;
     cpm_i64 owner[CPM_LANES], fresh[CPM_LANES];
-    double length[CPM_LANES];
+    double length[CPM_LANES], longest[CPM_LANES];
     cpm_samples samples[CPM_LANES];
     int idle = CPM_LANES;
     CPM_CLEAR(rays);
@@ -123,7 +123,7 @@ CPM_INLINE void cpm_trace_range(const cpm_step_control *c, const cpm_medium_data
                 if (!fresh[i]) continue;
                 cpm_ray_start start = arrays->starts[first];
                 cpm_load_lane(&rays, i, &start, plane);
-                length[i] = start.length;
+                length[i] = start.length, longest[i] = start.max_step;
                 samples[i].count = arrays->samples, samples[i].next = 0;
                 samples[i].position = arrays->positions + 3 * arrays->samples * first;
                 samples[i].step = arrays->samples > 1 ? arrays->ends[first].length / (double)(arrays->samples - 1) : 0.0;
@@ -134,6 +134,7 @@ CPM_INLINE void cpm_trace_range(const cpm_step_control *c, const cpm_medium_data
             for (int i = 0; i < CPM_LANES; i++) {
                 if (!fresh[i]) continue;
                 if (length[i] >= 0.0) rays.target[i] = length[i];
+                if (longest[i] > 0.0) rays.limit[i] = longest[i] / rays.n_start[i];
                 if (length[i] == 0.0 && rays.status[i] < 0) rays.status[i] = CPM_ENDED_ARRIVED;
             }
         } else if (idle == CPM_LANES) return;
@@ -142,10 +143,8 @@ CPM_INLINE void cpm_trace_range(const cpm_step_control *c, const cpm_medium_data
             if (owner[i] < 0 || !(rays.accepted[i] || rays.status[i] >= 0)) continue;
             cpm_piece piece;
             double theta = CPM_NO_ROOT;
-            if (rays.accepted[i]) {
-                cpm_lanes_piece(&rays, i, &piece);
-                theta = cpm_landing(&piece, plane, length[i]);
-            }
+            cpm_lanes_piece(&rays, i, &piece);
+            if (rays.accepted[i]) theta = cpm_landing(&piece, plane, length[i]);
             int over = theta != CPM_NO_ROOT || rays.status[i] >= 0;
             if (rays.accepted[i] && arrays->samples)
                 cpm_sample_piece(&samples[i], &piece, theta != CPM_NO_ROOT ? cpm_piece_length(&piece, theta) : piece.length1,

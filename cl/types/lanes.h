@@ -37,6 +37,7 @@ typedef struct cpm_lane_rays {
     double previous[CPM_LANES];     /* log2 of the last ratio of error to tolerance: the step controller's memory */
     double refused[CPM_LANES];   /* attempts refused since the last step */
     cpm_i64 status[CPM_LANES];   /* -1 going, else a cpm_ray_status */
+    cpm_i64 at_kink[CPM_LANES];  /* grad n jumps here: g is to be taken anew, beyond it */
     cpm_i64 accepted[CPM_LANES]; /* nonzero: the last attempt was accepted, and the piece below is valid */
     double r0[3][CPM_LANES], p0[3][CPM_LANES], g0[3][CPM_LANES], n0[CPM_LANES], length0[CPM_LANES];
     double optical_path0[CPM_LANES], piece_h[CPM_LANES]; /* the piece: from r0 to r in piece_h */

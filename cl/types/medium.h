@@ -38,13 +38,15 @@ typedef struct cpm_medium_data {
     double axis[3];        /* linear: grad n; linear-squared: grad n^2; layered: unit up; grid: 1/spacing */
     double value;          /* N or S at the origin, or everywhere */
     double feature;        /* metres over which the field may change its shape; infinite: one polynomial */
+    double kink;           /* largest jump of grad n over a cell, relative to n: a looser rtol steps over such kinks */
+    double jump;           /* the largest jump of grad n itself, relative to n, 1/m */
     double low, high;      /* layered: first and last height */
     double bucket;         /* layered: buckets a metre */
     cpm_i64 heights, guide, records; /* offsets of the tables */
 } cpm_medium_data;
 
-CPM_STATIC_ASSERT(sizeof(cpm_medium_data) == 136, cpm_medium_data_size);
+CPM_STATIC_ASSERT(sizeof(cpm_medium_data) == 152, cpm_medium_data_size);
 CPM_ASSERT_OFFSET(cpm_medium_data, origin, 24);
 CPM_ASSERT_OFFSET(cpm_medium_data, value, 72);
-CPM_ASSERT_OFFSET(cpm_medium_data, heights, 112);
+CPM_ASSERT_OFFSET(cpm_medium_data, heights, 128);
 #endif

@@ -7,6 +7,7 @@ typedef struct cpm_ray_start {
     double r[3], d[3]; /* metres; direction of any length but 0 */
     double scale;      /* of the dispersion at the ray's wavelength */
     double length;     /* metres of arc to go; < 0: to the goal's plane */
+    double max_step;   /* metres; 0: the control's */
 } cpm_ray_start;
 
 typedef struct cpm_ray_end {
@@ -32,7 +33,7 @@ typedef struct cpm_samples {
     cpm_i64 count, next;
 } cpm_samples;
 
-CPM_STATIC_ASSERT(sizeof(cpm_ray_start) == 64, cpm_ray_start_size);
+CPM_STATIC_ASSERT(sizeof(cpm_ray_start) == 72, cpm_ray_start_size);
 CPM_STATIC_ASSERT(sizeof(cpm_ray_end) == 112, cpm_ray_end_size);
 CPM_STATIC_ASSERT(sizeof(cpm_ray_goal) == 64, cpm_ray_goal_size);
 #endif

@@ -165,6 +165,7 @@ static cpm_status fill_starts(trace_work *w) {
             last_wavelength = wavelength;
         }
         s->scale = scale;
+        s->max_step = 0.0;
         s->length = q->lengths ? q->lengths[q->length_stride ? i : 0] : -1.0;
     }
     return CPM_OK;
@@ -269,10 +270,16 @@ static cpm_status trace_in_medium(trace_work *w, int32_t method, const cpm_rays_
         finer.control.step *= 0.5;
         cpm_step_control_set(&finer.control);
         second = malloc(q->count * sizeof *second);
+        /* Also half the steps: where one step of the loosest tolerance does, rtol/10 alone would repeat it. */
+        for (size_t i = 0; i < q->count && q->step == 0.0; i++)
+            w->starts[i].max_step = w->ends[i].steps > 0.0 ? 0.5 * w->ends[i].length / w->ends[i].steps : 0.0;
         status = second ? run(&finer, second, NULL, 0.4, paths ? 0.7 : 1.0)
                         : cpm_fail(w->context, CPM_ERROR_OUT_OF_MEMORY, "out of memory for %zu rays", q->count);
     }
-    if (status == CPM_OK && paths) status = run(w, w->ends, out->paths, 0.7, 1.0);
+    if (status == CPM_OK && paths) {
+        for (size_t i = 0; i < q->count; i++) w->starts[i].max_step = 0.0;
+        status = run(w, w->ends, out->paths, 0.7, 1.0);
+    }
     if (status == CPM_OK) write_results(w, second, method, out);
     free(second);
     return status;

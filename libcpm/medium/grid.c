@@ -73,24 +73,35 @@ static double sample(const cpm_grid_desc *d, const ptrdiff_t stride[3], size_t i
     return value;
 }
 
-/* Metres over which the field changes: largest slope over largest change of slope a metre, at least half a cell. */
-static double feature_of(const double *table, const size_t size[3], const size_t stride[3], const double spacing[3]) {
-    double steepest = 0.0, bend = 0.0, finest = INFINITY;
+/* data->feature: metres over which the field changes, the largest slope over the largest change of slope a metre, at
+ * least half a cell. data->kink, jump: the largest jump of slope, times a cell and itself, at the box's faces and, trilinear, at all.
+ * `table` still holds the samples. */
+static void measure(cpm_medium_data *data, const double *table, const size_t stride[3], const double spacing[3]) {
+    double steepest = 0.0, bend = 0.0, finest = INFINITY, kink = 0.0, jump = 0.0, least = INFINITY;
+    const int linear = data->interpolation == CPM_FIELD_LINEAR;
     for (int a = 0; a < 3; a++) {
-        if (size[a] < 2) continue;
+        if (data->size[a] < 2) continue;
         finest = fmin(finest, spacing[a]);
-        int b = (a + 1) % 3, c = (a + 2) % 3;
-        for (size_t i = 0; i < size[b]; i++)
-            for (size_t j = 0; j < size[c]; j++) {
-                const double *f = table + i * stride[b] + j * stride[c];
-                for (size_t k = 0; k + 1 < size[a]; k++) {
-                    double rise = f[(k + 1) * stride[a]] - f[k * stride[a]];
+        int b = (a + 1) % 3, c = (a + 2) % 3, last = data->size[a] - 2;
+        for (int32_t i = 0; i < data->size[b]; i++)
+            for (int32_t j = 0; j < data->size[c]; j++) {
+                const double *f = table + (size_t)i * stride[b] + (size_t)j * stride[c];
+                double before = 0.0;
+                for (int32_t k = 0; k <= last; k++) {
+                    double here = f[(size_t)k * stride[a]], rise = f[(size_t)(k + 1) * stride[a]] - here;
                     steepest = fmax(steepest, fabs(rise) / spacing[a]);
-                    if (k) bend = fmax(bend, fabs(rise - (f[k * stride[a]] - f[(k - 1) * stride[a]])) / (spacing[a] * spacing[a]));
+                    if (k) bend = fmax(bend, fabs(rise - before) / (spacing[a] * spacing[a]));
+                    double change = fmax(linear || k == 0 ? fabs(rise - before) : 0.0, k == last ? fabs(rise) : 0.0);
+                    kink = fmax(kink, change);
+                    jump = fmax(jump, change / spacing[a]);
+                    least = fmin(least, here);
+                    before = rise;
                 }
             }
     }
-    return fmax(bend > 0.0 ? steepest / bend : INFINITY, 0.5 * finest);
+    data->feature = fmax(bend > 0.0 ? steepest / bend : INFINITY, 0.5 * finest);
+    data->kink = kink / (1.0 + fmin(least, data->value));
+    data->jump = jump / (1.0 + fmin(least, data->value));
 }
 
 static cpm_status check(cpm_context *context, const cpm_grid_desc *d) {
@@ -162,7 +173,7 @@ cpm_status cpm_medium_create_grid(cpm_context *context, const cpm_grid_desc *des
                 m->data.uniform &= n == first;
             }
     if (status == CPM_OK) {
-        m->data.feature = feature_of(m->table, d.size, stride, d.spacing);
+        measure(&m->data, m->table, stride, d.spacing);
         size_t size[3] = {d.size[0], d.size[1], d.size[2]};
         for (int axis = 0; axis < 3; axis++) {
             fill_axis(m->table, size, stride, axis, cubic, line);

@@ -83,20 +83,27 @@ static int32_t fill_guide(const cpm_medium_data *data, const double *heights, do
     return halvings;
 }
 
-/* Metres over which the field changes: the largest slope over the largest change of slope a metre; at least half of the
- * thinnest layer. */
-static double feature_of(const double *h, const double *value, size_t count) {
-    double steepest = 0.0, bend = 0.0, thinnest = INFINITY;
+/* data->feature: metres over which the field changes, the largest slope over the largest change of slope a metre, at
+ * least half of the thinnest layer. data->kink, jump: the largest jump of slope, times a layer and itself, at the table's
+ * ends and, n^2 linear, at every height. */
+static void measure(cpm_medium_data *data, const double *h, const double *value) {
+    double steepest = 0.0, bend = 0.0, thinnest = INFINITY, kink = 0.0, jump = 0.0, before = 0.0;
+    const size_t count = (size_t)data->size[0];
     for (size_t i = 0; i + 1 < count; i++) {
-        double width = h[i + 1] - h[i], slope = fabs(value[i + 1] - value[i]) / width;
+        double width = h[i + 1] - h[i], slope = (value[i + 1] - value[i]) / width;
+        double reach = i ? 0.5 * (h[i + 1] - h[i - 1]) : width;
         thinnest = fmin(thinnest, width);
-        steepest = fmax(steepest, slope);
-        if (i) {
-            double before = (value[i] - value[i - 1]) / (h[i] - h[i - 1]);
-            bend = fmax(bend, fabs((value[i + 1] - value[i]) / width - before) / (0.5 * (h[i + 1] - h[i - 1])));
-        }
+        steepest = fmax(steepest, fabs(slope));
+        if (i) bend = fmax(bend, fabs(slope - before) / reach);
+        const int inner = i == 0 || data->interpolation == CPM_FIELD_LINEAR_SQUARED;
+        double change = fmax(inner ? fabs(slope - before) : 0.0, i + 2 == count ? fabs(slope) : 0.0);
+        kink = fmax(kink, change * reach);
+        jump = fmax(jump, change);
+        before = slope;
     }
-    return fmax(bend > 0.0 ? steepest / bend : INFINITY, 0.5 * thinnest);
+    data->feature = fmax(bend > 0.0 ? steepest / bend : INFINITY, 0.5 * thinnest);
+    data->kink = data->interpolation == CPM_FIELD_STEP ? 0.0 : kink;
+    data->jump = jump;
 }
 
 cpm_status cpm_medium_create_layered(cpm_context *context, const cpm_layered_desc *desc, const cpm_dispersion *dispersion,
@@ -130,7 +137,7 @@ cpm_status cpm_medium_create_layered(cpm_context *context, const cpm_layered_des
         data.uniform &= d.n[i] == d.n[0];
     }
     data.value = value[0];
-    data.feature = feature_of(d.heights, value, count);
+    measure(&data, d.heights, value);
     status = cpm_medium_make(context, &data, (size_t)data.records + CPM_RECORD * (count + 1), dispersion, medium);
     if (status == CPM_OK) {
         double *table = (*medium)->table;

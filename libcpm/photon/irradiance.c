@@ -49,6 +49,7 @@ cpm_status cpm_photons_irradiance(cpm_context *context, const cpm_photons *photo
         return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "context, photons and arrays must not be NULL");
     if (map != CPM_MAP_DIFFUSE && map != CPM_MAP_CAUSTIC)
         return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "map is %d; allowed: diffuse 0, caustic 1", (int)map);
+    if (isnan(max_radius)) return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "max_radius is NaN");
     cpm_status status = check(context, points, normals, count, nearest);
     if (status) return status;
     request q = {photons, points, normals, nearest, max_radius > 0.0 ? max_radius : photons->diagonal, irradiance,

@@ -101,9 +101,9 @@ cpm_status cpm_photons_run(const cpm_pass *pass, const cpm_photons_options *o, c
 
 cpm_status cpm_photons_trace(cpm_context *context, cpm_scene *scene, const cpm_photons_options *options,
                              cpm_photons **photons) {
+    if (photons) *photons = NULL;
     if (!context || !scene || !options || !photons)
         return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "context, scene, options and photons must not be NULL");
-    *photons = NULL;
     cpm_photons_options o;
     CPM_TAKE(o, options);
     cpm_status status = cpm_check_wavelengths(context, o.wavelengths, o.wavelength_count);

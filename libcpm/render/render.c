@@ -1,5 +1,6 @@
 /* render/render.c: the paper's algorithm, in order:
  * inspect the scene -> project -> emit -> trace -> store -> build map -> eye rays -> gather -> film. */
+#include <math.h>
 #include <string.h>
 
 #include "eye.h"
@@ -14,6 +15,7 @@ static cpm_status check_options(cpm_context *context, const cpm_scene *scene, co
     if (o->photons > 0xFFFFFFFFu)
         return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "photons is %llu; allowed: 0 to 4294967295",
                         (unsigned long long)o->photons);
+    if (isnan(o->max_radius)) return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "max_radius is NaN");
     if (o->batch < 0 || o->batch > 1 << 20)
         return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "batch is %d; allowed: 0 to 1048576", o->batch);
     return CPM_OK;
@@ -37,9 +39,9 @@ static cpm_status gather_picture(const cpm_pass *pass, const cpm_photons *photon
 
 cpm_status cpm_image_render(cpm_context *context, cpm_scene *scene, const cpm_render_options *options,
                             cpm_image **image) {
+    if (image) *image = NULL;
     if (!context || !scene || !options || !image)
         return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "context, scene, options and image must not be NULL");
-    *image = NULL;
     double start = cpm_seconds();
     cpm_render_options o;
     CPM_TAKE(o, options);
@@ -71,9 +73,9 @@ cpm_status cpm_image_render(cpm_context *context, cpm_scene *scene, const cpm_re
 
 cpm_status cpm_image_gather(cpm_context *context, cpm_scene *scene, cpm_photons *photons,
                             const cpm_render_options *options, cpm_image **image) {
+    if (image) *image = NULL;
     if (!context || !scene || !photons || !options || !image)
         return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "context, scene, photons, options and image must not be NULL");
-    *image = NULL;
     double start = cpm_seconds();
     cpm_render_options o;
     CPM_TAKE(o, options);

@@ -30,6 +30,9 @@ static void find_extent(cpm_pass *pass) {
     for (int k = 0; k < 3; k++)
         if (box.high[k] > box.low[k]) diagonal2 += (box.high[k] - box.low[k]) * (box.high[k] - box.low[k]);
     pass->reach = diagonal2 > 0.0 ? sqrt(diagonal2) : 1.0;
+    if (diagonal2 > 0.0)
+        pass->center = cpm_v(0.5 * (box.low[0] + box.high[0]), 0.5 * (box.low[1] + box.high[1]),
+                                    0.5 * (box.low[2] + box.high[2]));
     for (size_t i = 0; i < scene->light_count; i++)
         if (scene->lights[i].shape < 0) {
             cpm_vec p = scene->lights[i].position;

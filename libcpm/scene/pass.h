@@ -23,6 +23,7 @@ typedef struct cpm_pass {
     double *emission;       /* lights x bins */
     cpm_box extent;
     double reach;           /* a good length of one curved piece, metres: the geometry's diagonal */
+    cpm_vec center;  /* of the geometry: pieces that start far from it may be as long as that is far */
     double nudge;           /* metres: far below the geometry, far above rounding */
     int32_t bounded;        /* the extent is finite */
     uint32_t features;

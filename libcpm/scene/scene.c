@@ -20,7 +20,7 @@ int cpm_grow(void **array, size_t *capacity, size_t count, size_t more, size_t e
     return 1;
 }
 
-static int finite3(const double *v) { return isfinite(v[0]) && isfinite(v[1]) && isfinite(v[2]); }
+static int finite3(const double *v) { return cpm_in_range(v[0]) && cpm_in_range(v[1]) && cpm_in_range(v[2]); }
 
 static cpm_status take_extent(cpm_context *context, const cpm_box *box) {
     for (int k = 0; k < 3; k++)
@@ -31,9 +31,9 @@ static cpm_status take_extent(cpm_context *context, const cpm_box *box) {
 }
 
 cpm_status cpm_scene_create(cpm_context *context, const cpm_scene_options *options, cpm_scene **scene) {
+    if (scene) *scene = NULL;
     if (!context || !scene)
         return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "context and scene must not be NULL");
-    *scene = NULL;
     cpm_scene_options o = {.struct_size = sizeof o};
     if (options) CPM_TAKE(o, options);
     if (o.extent) {
@@ -45,8 +45,9 @@ cpm_status cpm_scene_create(cpm_context *context, const cpm_scene_options *optio
                         CPM_METHOD_AUTO, CPM_METHOD_DOPRI5);
     if (o.rtol != 0.0 && !(o.rtol >= 1e-14 && o.rtol <= 1.0))
         return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "rtol is %g; allowed: 1e-14 to 1", o.rtol);
-    if (!(o.atol >= 0.0) || !(o.max_step >= 0.0) || !(o.step >= 0.0) || !isfinite(o.atol))
-        return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "atol %g, step %g, max_step %g: none may be negative or NaN",
+    if (!(o.atol >= 0.0) || !(o.max_step >= 0.0) || !(o.step >= 0.0) || isinf(o.step) || !isfinite(o.atol))
+        return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "atol %g, step %g, max_step %g: none may be negative or NaN, "
+                        "nor atol or step infinite",
                         o.atol, o.step, o.max_step);
     if (o.method == CPM_METHOD_RK4 && !(o.step > 0.0))
         return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "method rk4 has fixed steps: step must be positive, metres");
@@ -73,6 +74,7 @@ cpm_status cpm_scene_create(cpm_context *context, const cpm_scene_options *optio
     }
     s->media[0].medium = medium;
     s->media[0].shape = -1;
+    s->media[0].also = 0;
     s->medium_count = 1;
     if (o.method == CPM_METHOD_EXACT && !cpm_medium_has_exact(medium)) {
         cpm_scene_release(s);
@@ -120,14 +122,12 @@ cpm_status cpm_scene_prepare(cpm_context *context, cpm_scene *scene, int straigh
 static cpm_status push_medium(cpm_scene *s, cpm_medium *medium, int32_t shape_index) {
     if (s->medium_count >= 65535)
         return cpm_fail(s->context, CPM_ERROR_INVALID_ARGUMENT, "a scene holds at most 65534 bounded media");
-    if (s->shapes[shape_index].medium)
-        return cpm_fail(s->context, CPM_ERROR_INVALID_ARGUMENT, "shape '%s' bounds a medium already",
-                        s->shapes[shape_index].name);
     if (!cpm_grow((void **)&s->media, &s->medium_capacity, s->medium_count, 1, sizeof *s->media))
         return cpm_fail(s->context, CPM_ERROR_OUT_OF_MEMORY, "no memory for a medium");
     cpm_medium_retain(medium);
     s->media[s->medium_count].medium = medium;
     s->media[s->medium_count].shape = shape_index;
+    s->media[s->medium_count].also = s->shapes[shape_index].medium;
     s->shapes[shape_index].medium = (int32_t)s->medium_count++;
     return CPM_OK;
 }
@@ -153,7 +153,7 @@ cpm_status cpm_scene_add_medium(cpm_scene *scene, cpm_medium *medium, const cpm_
     snprintf(name, sizeof name, "bounds of medium %zu", scene->medium_count);
     if (b.kind == CPM_BOUNDS_BOX) {
         for (int k = 0; k < 3; k++)
-            if (!(b.box.low[k] < b.box.high[k]) || !isfinite(b.box.low[k]) || !isfinite(b.box.high[k]))
+            if (!(b.box.low[k] < b.box.high[k]) || !cpm_in_range(b.box.low[k]) || !cpm_in_range(b.box.high[k]))
                 return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT,
                                 "bounds: low[%d] is %g and high[%d] is %g; both finite, low less than high", k,
                                 b.box.low[k], k, b.box.high[k]);

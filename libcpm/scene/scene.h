@@ -10,6 +10,7 @@
 #include "medium/medium.h"
 
 #define CPM_NO_MATERIAL (-1)
+#define CPM_LARGEST 1e15 /* metres; beyond, squares leave the range of float, in which Embree works */
 #define CPM_MAX_NESTED 8 /* bounded media that may overlap at one point, the one that fills space included */
 
 /* A sampled function of wavelength, owned. */
@@ -30,7 +31,7 @@ typedef struct material {
 typedef struct shape {
     char name[64];
     int32_t material; /* index, or CPM_NO_MATERIAL: only the bounds of a medium */
-    int32_t medium;   /* index in media that it bounds, 0: none */
+    int32_t medium;   /* index in media of the last that it bounds (media[].also: the others), 0: none */
     int32_t light;    /* index of the area light that it is, -1: none */
     int32_t is_sphere;
     size_t first, count; /* triangles, or the one sphere */
@@ -43,6 +44,7 @@ typedef struct shape {
 typedef struct bounded_medium {
     cpm_medium *medium;
     int32_t shape; /* what bounds it; -1 for the medium that fills space (index 0) */
+    int32_t also;  /* another medium that the same shape bounds, 0: none */
 } bounded_medium;
 
 typedef struct light {
@@ -79,6 +81,9 @@ struct cpm_scene {
     pthread_mutex_t lock; /* guards what follows, made when first needed, dropped when something is added */
     cpm_geometry *geometry;
 };
+
+/* Finite, and not beyond CPM_LARGEST. */
+static inline int cpm_in_range(double coordinate) { return coordinate >= -CPM_LARGEST && coordinate <= CPM_LARGEST; }
 
 /* Grows an array by one element, doubling; 0 on failure. */
 int cpm_grow(void **array, size_t *capacity, size_t count, size_t more, size_t element);

@@ -124,9 +124,9 @@ static cpm_status check_mesh(cpm_scene *scene, const cpm_mesh_desc *d, const cha
     for (size_t i = 0; i < d->vertex_count; i++) {
         const double *v = (const double *)(const void *)((const char *)d->vertices + (ptrdiff_t)i * d->vertex_stride);
         for (int k = 0; k < 3; k++) {
-            if (!isfinite(v[k]))
+            if (!cpm_in_range(v[k]))
                 return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "mesh '%s': vertex %zu has coordinate %g; all must "
-                                "be finite", name, i, v[k]);
+                                "be finite, at most 1e15 m", name, i, v[k]);
             *size = fmax(*size, fabs(v[k]));
         }
     }
@@ -137,6 +137,10 @@ static cpm_status check_mesh(cpm_scene *scene, const cpm_mesh_desc *d, const cha
                 return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "mesh '%s': face %zu names vertex %u; there are %zu",
                                 name, i, f[k], d->vertex_count);
     }
+    for (size_t i = 0; d->normals && i < 3 * d->vertex_count; i++)
+        if (!isfinite(d->normals[i]))
+            return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "mesh '%s': normal %zu has coordinate %g; all must be "
+                            "finite", name, i / 3, d->normals[i]);
     if (scene->triangle_count + d->face_count > 0x7FFFFFFF)
         return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "mesh '%s': more than 2^31 triangles in all", name);
     return CPM_OK;
@@ -184,11 +188,11 @@ cpm_status cpm_scene_add_sphere(cpm_scene *scene, const double *center, double r
     if (!scene) return CPM_ERROR_INVALID_ARGUMENT;
     if (!center) return cpm_fail(scene->context, CPM_ERROR_INVALID_ARGUMENT, "sphere: center must not be NULL");
     shape s = new_shape(name, scene->shape_count);
-    if (!isfinite(center[0]) || !isfinite(center[1]) || !isfinite(center[2]))
-        return cpm_fail(scene->context, CPM_ERROR_INVALID_ARGUMENT, "sphere '%s': center is (%g, %g, %g); it must be finite",
-                        s.name, center[0], center[1], center[2]);
-    if (!(radius > 0.0) || !isfinite(radius))
-        return cpm_fail(scene->context, CPM_ERROR_INVALID_ARGUMENT, "sphere '%s': radius is %g; it must be positive", s.name,
+    if (!cpm_in_range(center[0]) || !cpm_in_range(center[1]) || !cpm_in_range(center[2]))
+        return cpm_fail(scene->context, CPM_ERROR_INVALID_ARGUMENT, "sphere '%s': center is (%g, %g, %g); it must be finite, at "
+                        "most 1e15 m", s.name, center[0], center[1], center[2]);
+    if (!(radius > 0.0) || !cpm_in_range(radius))
+        return cpm_fail(scene->context, CPM_ERROR_INVALID_ARGUMENT, "sphere '%s': radius is %g; it must be positive, at most 1e15 m", s.name,
                         radius);
     size_t capacity = scene->sphere_capacity, shape_capacity = capacity;
     if (!cpm_grow((void **)&scene->spheres, &capacity, scene->sphere_count, 1, sizeof(cpm_sphere)) ||

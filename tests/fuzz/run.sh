@@ -8,7 +8,7 @@ failed=0
 for fuzzer in "$folder"/fuzz_*; do
     [ -x "$fuzzer" ] && [ -f "$fuzzer" ] || continue
     echo "== $(basename "$fuzzer"), $seconds s"
-    if "$fuzzer" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=4096 -max_len=4096 -print_final_stats=1 \
+    if "$fuzzer" -max_total_time="$seconds" -timeout=60 -rss_limit_mb=4096 -max_len=4096 -print_final_stats=1 \
         -artifact_prefix="$folder/" -verbosity=0; then
         passed=$((passed + 1))
     else

@@ -42,7 +42,7 @@ class GridDesc(ct.Structure):
 class MediumData(ct.Structure):
     _fields_ = [("kind", ct.c_int32), ("interpolation", ct.c_int32), ("size", ct.c_int32 * 3), ("uniform", ct.c_int32),
                 ("origin", ct.c_double * 3), ("axis", ct.c_double * 3), ("value", ct.c_double), ("feature", ct.c_double),
-                ("low", ct.c_double), ("high", ct.c_double), ("bucket", ct.c_double),
+                ("kink", ct.c_double), ("jump", ct.c_double), ("low", ct.c_double), ("high", ct.c_double), ("bucket", ct.c_double),
                 ("heights", ct.c_int64), ("guide", ct.c_int64), ("records", ct.c_int64)]
 
 

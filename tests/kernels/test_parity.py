@@ -19,7 +19,7 @@ ROOT = Path(__file__).resolve().parents[2]
 LIBRARY = native.find_library()
 needs_library = pytest.mark.skipif(LIBRARY is None, reason="no libcpm.so: build it, or set CPM_LIBRARY")
 FLAGS = "-cl-std=CL1.2 -cl-fp32-correctly-rounded-divide-sqrt -Werror"
-START = np.dtype([("r", "f8", 3), ("d", "f8", 3), ("scale", "f8"), ("length", "f8")])
+START = np.dtype([("r", "f8", 3), ("d", "f8", 3), ("scale", "f8"), ("length", "f8"), ("max_step", "f8")])
 END = np.dtype([("r", "f8", 3), ("p", "f8", 3), ("length", "f8"), ("optical_path", "f8"), ("drift", "f8"), ("error", "f8"),
                 ("evaluations", "f8"), ("steps", "f8"), ("rejected", "f8"), ("status", "i4"), ("reserved", "i4")])
 CONTROL = np.dtype([("method", "i4"), ("reserved", "i4"), ("rtol", "f8"), ("atol", "f8"), ("step", "f8"), ("max_step", "f8"),
@@ -118,7 +118,7 @@ def on_device(context, program, medium, library, method, bundle, until=None, sin
     quarter = np.sqrt(np.sqrt(rtol))
     control["method"], control["rtol"], control["step"], control["max_step"] = number, rtol, step, 1e38 if single else 1e300
     control["lenient"] = 1.0 if number == 2 else max(1.0, 0.56 / np.sqrt(quarter))
-    control["first"] = 3.0 * rtol if number == 2 else 4.5 * quarter
+    control["first"] = 3.0 * rtol if number == 2 else 8.0 * quarter
     control["max_evaluations"] = goal["max_evaluations"] = 1e6
     queue, flags = cl.CommandQueue(context), cl.mem_flags
     ends, positions = np.zeros(COUNT, END), np.zeros((COUNT, max(path, 1), 3))

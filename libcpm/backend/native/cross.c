@@ -25,13 +25,21 @@ static int enters(const cpm_pass *pass, int32_t primitive, cpm_vec position, cpm
     return cpm_vdot(direction, cpm_geometric_normal(pass->scene, &hit)) < 0.0;
 }
 
+/* Into or out of all media that the primitive's shape bounds; 0: too many. */
+static int cross_shape(const cpm_pass *pass, cpm_region *region, int32_t primitive, cpm_vec position,
+                       cpm_vec direction) {
+    const cpm_scene *scene = pass->scene;
+    int entering = enters(pass, primitive, position, direction), fits = 1;
+    int32_t medium = scene->shapes[cpm_primitive_shape(scene, primitive)].medium;
+    for (; medium > 0; medium = scene->media[medium].also) fits &= cpm_region_cross(region, medium, entering);
+    return fits;
+}
+
 int cpm_boundary_counts(const cpm_pass *pass, const cpm_region *region, int32_t primitive, cpm_vec position,
                         cpm_vec direction) {
     if (!cpm_is_boundary(pass, primitive)) return 1;
     cpm_region trial = *region;
-    int32_t medium = pass->scene->shapes[cpm_primitive_shape(pass->scene, primitive)].medium;
-    if (medium <= 0) return 0;
-    cpm_region_cross(&trial, medium, enters(pass, primitive, position, direction));
+    cross_shape(pass, &trial, primitive, position, direction);
     return trial.count != region->count;
 }
 
@@ -50,8 +58,7 @@ int32_t cpm_cross_all(const cpm_pass *pass, const cpm_hit *hit, cpm_vec directio
     int32_t primitive = hit->primitive;
     if (scene->medium_count == 1) return -1;
     for (int i = 0; i < 2 * CPM_MAX_NESTED; i++) {
-        int32_t medium = scene->shapes[cpm_primitive_shape(scene, primitive)].medium;
-        if (medium > 0 && !cpm_region_cross(region, medium, enters(pass, primitive, hit->position, direction))) return -2;
+        if (!cross_shape(pass, region, primitive, hit->position, direction)) return -2;
         /* anything else within a hair of the place, before or behind? */
         double hair = CPM_COINCIDE * pass->reach;
         cpm_curve line = {.degree = 1};

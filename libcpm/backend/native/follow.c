@@ -195,9 +195,10 @@ static void follow_exact(const cpm_pass *pass, const cpm_flight *flight, const c
             arrival->status = CPM_RAY_CUTOFF;
             return;
         }
+        double limit = cpm_max(pass->reach, cpm_norm(cpm_sub(cpm_v(r[0], r[1], r[2]), pass->center)));
         if (!options && medium->data.kind == CPM_MEDIUM_LINEAR_SQUARED)
-            parabola(&medium->data, scale, r, p, pass->reach / speed, &piece);
-        else if (cpm_exact_next(&medium->data, medium->table, scale, r, p, pass->reach / speed, length, &piece,
+            parabola(&medium->data, scale, r, p, limit / speed, &piece);
+        else if (cpm_exact_next(&medium->data, medium->table, scale, r, p, limit / speed, length, &piece,
                                 &arrival->evaluations))
             return;
         cpm_curve curve = cpm_curve_from_piece(&piece, degree);

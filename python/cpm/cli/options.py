@@ -7,6 +7,8 @@ from typing import Annotated, Any
 import typer
 
 from ..image import SUFFIXES
+from ..scene import Scene as SceneType
+from ..scene_file import load_scene
 
 
 def _size(text: str) -> Any:
@@ -70,3 +72,11 @@ def outputs_or_default(outputs: list[Path] | None, scene: Path, ending: str = ""
     if len({path.resolve() for path in chosen}) != len(chosen):
         raise ValueError(f"the same output is given twice: {', '.join(map(str, chosen))}")
     return chosen
+
+
+def load_for_picture(path: Path) -> SceneType:
+    """The scene of a file that must have a camera; the message names the file."""
+    scene = load_scene(path)
+    if scene.camera is None:
+        raise ValueError(f"{path}: camera: missing; a picture needs [camera] with origin, target, up and fov")
+    return scene

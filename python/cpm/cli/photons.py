@@ -7,7 +7,6 @@ import typer
 
 from ..image import save_all
 from ..photon_picture import photon_picture
-from ..scene_file import load_scene
 from . import options
 from .report import print_stats
 
@@ -19,7 +18,7 @@ def photons(scene: options.Scene, output: options.Outputs = None, photons: optio
             exposure: options.Exposure = None, white: options.White = None, quiet: options.Quiet = False) -> None:
     """Draw the photon map as the scene's camera sees it: each photon a dot of its own spectrum."""
     outputs = options.outputs_or_default(output, scene, "_photons")
-    image = photon_picture(load_scene(scene), photons=photons, size=size, dot=dot, seed=seed, backend=backend,
+    image = photon_picture(options.load_for_picture(scene), photons=photons, size=size, dot=dot, seed=seed, backend=backend,
                            threads=threads, progress=not quiet)
     save_all(image, outputs, exposure=exposure, white=white)
     if not quiet:

@@ -3,7 +3,6 @@ from __future__ import annotations
 
 from ..image import save_all
 from ..render import render as render_scene
-from ..scene_file import load_scene
 from . import options
 from .report import print_stats
 
@@ -15,7 +14,7 @@ def render(scene: options.Scene, output: options.Outputs = None, photons: option
            quiet: options.Quiet = False) -> None:
     """Render a scene to spectral EXR and PNG."""
     outputs = options.outputs_or_default(output, scene)
-    image = render_scene(load_scene(scene), size=size, photons=photons, nearest=nearest, samples=samples, seed=seed,
+    image = render_scene(options.load_for_picture(scene), size=size, photons=photons, nearest=nearest, samples=samples, seed=seed,
                          backend=backend, precision=precision, threads=threads, progress=not quiet)
     save_all(image, outputs, exposure=exposure, white=white)
     if not quiet:
