@@ -2,8 +2,9 @@
  *
  * A `real` is CPM_WIDTH rays, one a lane; a `mask` is as many signed integers of the same size, 0 or -1 where it stands
  * for a truth. With CPM_WIDTH 1 (the default) both are plain scalars, so that one source serves packets and single
- * rays. CPM_SINGLE 1 makes lanes of float. Both sides give the same results to the last bit, provided that C is compiled
- * with -ffp-contract=off and no fast-math, and OpenCL with -cl-fp32-correctly-rounded-divide-sqrt where it is single.
+ * rays. CPM_SINGLE 1 makes lanes of float. Both sides give the same results to the last bit, provided that C is
+ * compiled with -ffp-contract=off and no fast-math, and OpenCL with -cl-fp32-correctly-rounded-divide-sqrt where it is
+ * single.
  *
  * Where lanes need what a vector cannot do (a look-up by a per-lane index), the loop over lanes is here. */
 #ifndef CPM_DIALECT_H
@@ -39,14 +40,16 @@ typedef long cpm_i64;
 #endif
 #define CPM_STATIC_ASSERT(condition, name) typedef char name[(condition) ? 1 : -1]
 #ifdef __clang__
-#define CPM_ASSERT_OFFSET(type, member, value) CPM_STATIC_ASSERT(__builtin_offsetof(type, member) == (value), type##_##member)
+#define CPM_ASSERT_OFFSET(type, member, value)                                                                         \
+    CPM_STATIC_ASSERT(__builtin_offsetof(type, member) == (value), type##_##member)
 #else /* no constant offset in OpenCL C itself: sizes are checked, offsets by the host */
 #define CPM_ASSERT_OFFSET(type, member, value)
 #endif
-#define cpm_bits_of(x) as_ulong(x)      /* double <-> its 64 bits */
+#define cpm_bits_of(x) as_ulong(x) /* double <-> its 64 bits */
 #define cpm_double_of(x) as_double(x)
-#define cpm_sqrt(x) sqrt((double)(x))   /* of one double */
-#define CPM_CLEAR(x) for (size_t clear_ = 0; clear_ < sizeof(x); clear_++) ((uchar *)&(x))[clear_] = 0
+#define cpm_sqrt(x) sqrt((double)(x)) /* of one double */
+#define CPM_CLEAR(x)                                                                                                   \
+    for (size_t clear_ = 0; clear_ < sizeof(x); clear_++) ((uchar *)&(x))[clear_] = 0
 
 #else /* ------------------------------------------------------------------------------------------------------ C11 */
 #include <math.h>
@@ -79,14 +82,16 @@ static inline double cpm_double_of(cpm_u64 bits) {
 }
 #define cpm_sqrt(x) sqrt((double)(x))
 #define CPM_CLEAR(x) memset(&(x), 0, sizeof(x))
-#endif /* ------------------------------------------------------------------------------------------------ both sides */
+#endif /* ------------------------------------------------------------------------------------------------ both sides  \
+        */
 
 #define CPM_INLINE static inline
 typedef CPM_SCALAR scalar;
 typedef CPM_INTEGER integer;
 #define R(x) ((scalar)(x)) /* every literal of lane arithmetic: no silent double */
 
-#if CPM_WIDTH == 1 /* ------------------------------------------------------------------------- one ray: plain scalars */
+#if CPM_WIDTH ==                                                                                                       \
+    1 /* ------------------------------------------------------------------------- one ray: plain scalars */
 typedef scalar real;
 typedef integer mask;
 #define CPM_BOOL(c) (-(mask)(c)) /* scalars compare to 0 or 1, vectors to 0 or -1 */
@@ -106,7 +111,8 @@ typedef integer mask;
 #define CPM_ROOT(x) ((scalar)(CPM_SINGLE ? (scalar)sqrtf((float)(x)) : (scalar)sqrt((double)(x))))
 #endif
 
-#elif defined(__OPENCL_VERSION__) /* ----------------------------------------------------------- OpenCL C vector types */
+#elif defined(                                                                                                         \
+    __OPENCL_VERSION__) /* ----------------------------------------------------------- OpenCL C vector types */
 typedef CPM_GLUE(CPM_SCALAR, CPM_WIDTH) real;
 typedef CPM_GLUE(CPM_INTEGER, CPM_WIDTH) mask;
 #define CPM_BOOL(c) (c)
@@ -120,7 +126,8 @@ typedef CPM_GLUE(CPM_INTEGER, CPM_WIDTH) mask;
 #define load_lanes(p, i) CPM_GLUE(vload, CPM_WIDTH)(i, p)
 #define store_lanes(v, p, i) CPM_GLUE(vstore, CPM_WIDTH)(v, i, p)
 
-#else /* ----------------------------------------------------------------------------------------------- GNU vectors */
+#else /* ----------------------------------------------------------------------------------------------- GNU vectors   \
+       */
 typedef scalar real __attribute__((vector_size(CPM_WIDTH * sizeof(scalar))));
 typedef integer mask __attribute__((vector_size(CPM_WIDTH * sizeof(scalar))));
 #define CPM_BOOL(c) (c)
@@ -145,7 +152,8 @@ static inline real load_lanes(const scalar *p, size_t i) {
     return v;
 }
 static inline void store_lanes(real v, scalar *p, size_t i) { memcpy(p + i * CPM_WIDTH, &v, sizeof v); }
-#endif /* ------------------------------------------------------------------------------------------------ both sides */
+#endif /* ------------------------------------------------------------------------------------------------ both sides  \
+        */
 
 /* The bits of a real as integers, and back. */
 #if CPM_WIDTH == 1 && defined(__OPENCL_VERSION__)
@@ -211,8 +219,10 @@ CPM_INLINE real floor_lanes(real x) {
     return nearest - pick(less(x, nearest), splat(1.0), splat(0.0));
 }
 
-/* log2 and 2^x to 6 %, for step sizes: the bits of a positive number are its logarithm, linear between powers of two. */
-#define CPM_ROUGH_SHIFT (CPM_SINGLE ? 9 : 13) /* so that exponent and mantissa fit where an addition of magic is exact */
+/* log2 and 2^x to 6 %, for step sizes: the bits of a positive number are its logarithm, linear between powers of two.
+ */
+#define CPM_ROUGH_SHIFT                                                                                                \
+    (CPM_SINGLE ? 9 : 13) /* so that exponent and mantissa fit where an addition of magic is exact */
 #define CPM_ROUGH_ONE (CPM_SINGLE ? R(16384.0) : R(549755813888.0)) /* 2^14, 2^39: one power of two */
 #define CPM_ROUGH_BIAS (CPM_SINGLE ? R(127.0) : R(1023.0))
 CPM_INLINE real log2_rough(real x) {
@@ -224,8 +234,8 @@ CPM_INLINE real exp2_rough(real y) { /* |y| <= 100 */
     return real_of((bits_of(t) - bits_of(splat(CPM_MAGIC))) << CPM_ROUGH_SHIFT);
 }
 
-/* Look-ups by a per-lane index. Tables are doubles always. `cpm_rows` are places in a table, one a lane, which offsets that
- * are the same for all lanes start from; fetch4 takes four neighbours. */
+/* Look-ups by a per-lane index. Tables are doubles always. `cpm_rows` are places in a table, one a lane, which offsets
+ * that are the same for all lanes start from; fetch4 takes four neighbours. */
 typedef struct {
     CPM_GLOBAL const double *at[CPM_WIDTH];
 } cpm_rows;
@@ -353,9 +363,8 @@ CPM_INLINE void store_flags(mask v, cpm_i64 *p, int part) {
     memcpy(p + part * CPM_WIDTH, &d, sizeof d);
 }
 #endif
-CPM_INLINE real3 load3_doubles(const double (*p)[8], int part) {
-    return triple(load_doubles(p[0], part), load_doubles(p[1], part), load_doubles(p[2], part));
-}
+#define load3_doubles(p, part)                                                                                         \
+    triple(load_doubles((p)[0], part), load_doubles((p)[1], part), load_doubles((p)[2], part))
 CPM_INLINE void store3_doubles(real3 v, double (*p)[8], int part) {
     store_doubles(v.x, p[0], part);
     store_doubles(v.y, p[1], part);

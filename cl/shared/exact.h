@@ -31,7 +31,8 @@ CPM_INLINE int cpm_segment_start(const cpm_medium_data *m, CPM_GLOBAL const doub
         } else if (m->kind == CPM_MEDIUM_LAYERED && m->interpolation != CPM_FIELD_CUBIC) {
             s->sigma = cpm_layer_parabola(m, table, scale, r, p, s->g, sigma_limit, &s->face);
             s->counted = 1;
-        } else return 1;
+        } else
+            return 1;
     }
     for (int k = 0; k < 3; k++) s->r[k] = r[k], s->p[k] = p[k];
     s->split = cpm_split_along(p, s->g);
@@ -118,7 +119,8 @@ CPM_INLINE double cpm_exact_index(const cpm_medium_data *m, CPM_GLOBAL const dou
         double rounding, height = cpm_height_of(m, r, &rounding);
         square = m->interpolation == CPM_FIELD_LINEAR_SQUARED;
         int layer = cpm_layer_at(m, table, square ? height : height + rounding);
-        if (!square && layer > 0 && height - table[m->heights + layer - 1] <= rounding && cpm_dot(d, m->axis) < 0.0) layer--;
+        if (!square && layer > 0 && height - table[m->heights + layer - 1] <= rounding && cpm_dot(d, m->axis) < 0.0)
+            layer--;
         double t = square && layer > 0 ? height - table[m->heights + layer - 1] : 0.0;
         value = cpm_layer_record(m, table, layer, 0) + t * cpm_layer_record(m, table, layer, 1);
     } else if (m->kind == CPM_MEDIUM_LINEAR_SQUARED || m->kind == CPM_MEDIUM_LINEAR) {
@@ -129,10 +131,11 @@ CPM_INLINE double cpm_exact_index(const cpm_medium_data *m, CPM_GLOBAL const dou
     return square ? cpm_sqrt(n) : n;
 }
 
-/* The exact path from r with momentum p to its goal. A plane that is never crossed: status LEFT, at the last place where
- * something happened (the start, or a layer's face). `samples` may be a null pointer. */
-CPM_INLINE int cpm_exact_trace(const cpm_medium_data *m, CPM_GLOBAL const double *table, double scale, const double r0[3],
-                               const double p0[3], const cpm_ray_goal *goal, cpm_samples *samples, cpm_ray_end *end) {
+/* The exact path from r with momentum p to its goal. A plane that is never crossed: status LEFT, at the last place
+ * where something happened (the start, or a layer's face). `samples` may be a null pointer. */
+CPM_INLINE int cpm_exact_trace(const cpm_medium_data *m, CPM_GLOBAL const double *table, double scale,
+                               const double r0[3], const double p0[3], const cpm_ray_goal *goal, cpm_samples *samples,
+                               cpm_ray_end *end) {
     double r[3], p[3], n_start = cpm_sqrt(cpm_dot(p0, p0)), evaluations = 0.0, steps = 0.0, length = 0.0, path = 0.0;
     int status = CPM_ENDED_GOING;
     for (int k = 0; k < 3; k++) r[k] = r0[k], p[k] = p0[k];
@@ -155,8 +158,10 @@ CPM_INLINE int cpm_exact_trace(const cpm_medium_data *m, CPM_GLOBAL const double
         }
         if (status == CPM_ENDED_GOING) {
             stop = most;
-            if (cutoff <= most && cutoff < CPM_EXACT_INFINITE) status = CPM_ENDED_CUTOFF;
-            else if (!(most < CPM_EXACT_INFINITE)) status = CPM_ENDED_LEFT;
+            if (cutoff <= most && cutoff < CPM_EXACT_INFINITE)
+                status = CPM_ENDED_CUTOFF;
+            else if (!(most < CPM_EXACT_INFINITE))
+                status = CPM_ENDED_LEFT;
         }
         while (samples && samples->next < samples->count && status != CPM_ENDED_LEFT) {
             double at[3], ignored[3], wanted = samples->step * (double)samples->next - length;

@@ -5,13 +5,14 @@
  *   (e1 - e0)/gamma = l (s0 + s1)/(e0 + e1)
  * and in sigma: e1 = e0 cosh x + s0 sinh x, s1 = s0 cosh x + e0 sinh x, x = gamma sigma.                           (2)
  *
- * f(sigma) = (r - point) . normal has f'' = n (G . normal): of one sign, so at most two crossings, on either side of the
- * extremum, which is at s = -(rest . normal)/(axis . normal).                                                      (3) */
+ * f(sigma) = (r - point) . normal has f'' = n (G . normal): of one sign, so at most two crossings, on either side of
+ * the extremum, which is at s = -(rest . normal)/(axis . normal). (3) */
 #ifndef CPM_SHARED_EXACT_CATENARY_H
 #define CPM_SHARED_EXACT_CATENARY_H
 #include "exact_parabola.h"
 
-#define CPM_CATENARY_PIECE 0.02 /* gamma sigma of a piece: the quintic's error is 2.2e-5 x 0.02^5 = 7e-14 of its length */
+#define CPM_CATENARY_PIECE                                                                                             \
+    0.02 /* gamma sigma of a piece: the quintic's error is 2.2e-5 x 0.02^5 = 7e-14 of its length */
 #define CPM_EXACT_FAR 1e100
 
 CPM_INLINE void cpm_catenary_at(const cpm_split *a, const double r0[3], double length, double r[3], double p[3]) {
@@ -38,8 +39,10 @@ CPM_INLINE double cpm_catenary_polish(const cpm_split *a, const double r0[3], co
         cpm_catenary_at(a, r0, l, r, p);
         double f = cpm_plane_offset(r, point, normal, &rounding), slope = cpm_dot(p, normal) / cpm_sqrt(cpm_dot(p, p));
         if (f == 0.0) return l;
-        if ((f > 0.0) == positive_at_low) low = l;
-        else high = l;
+        if ((f > 0.0) == positive_at_low)
+            low = l;
+        else
+            high = l;
         double next = l - f / slope;
         if (!(next > low && next < high)) next = 0.5 * (low + high);
         if (fabs(next - l) <= 2e-16 * l) return next;
@@ -62,11 +65,14 @@ CPM_INLINE double cpm_catenary_plane(const cpm_split *a, const double r0[3], con
             if (!on_plane && (there > 0.0) != (f0 > 0.0))
                 return cpm_catenary_polish(a, r0, point, normal, 0.0, turn, f0 > 0.0);
             start = turn;
-        } else if (turn >= most) start = -1.0;
-    } else if (on_plane) return -1.0;
+        } else if (turn >= most)
+            start = -1.0;
+    } else if (on_plane)
+        return -1.0;
     if (start > 0.0 && (f0 > 0.0) == (bend > 0.0)) return -1.0; /* turned away from the plane for good */
     /* From here on the offset is monotone: look where it changes sign. */
-    double low = start > 0.0 ? start : 0.0, high = low + fabs(f0) + fabs(cpm_catenary_offset(a, r0, point, normal, low));
+    double low = start > 0.0 ? start : 0.0,
+           high = low + fabs(f0) + fabs(cpm_catenary_offset(a, r0, point, normal, low));
     int positive = f0 > 0.0;
     if (!(high > low)) high = low + a->e / (a->gamma + 1e-30);
     for (int i = 0; i < 400; i++) {
@@ -83,7 +89,7 @@ CPM_INLINE double cpm_catenary_plane(const cpm_split *a, const double r0[3], con
 /* Point, momentum and arc length after sigma <= CPM_CATENARY_PIECE/gamma, by the series of (2). */
 CPM_INLINE double cpm_catenary_after(const cpm_split *a, const double r0[3], double sigma, double r[3], double p[3]) {
     double x = a->gamma * sigma, xx = x * x;
-    double sinh_x = 1.0 + xx / 6.0 * (1.0 + xx / 20.0 * (1.0 + xx / 42.0));        /* sinh x/x */
+    double sinh_x = 1.0 + xx / 6.0 * (1.0 + xx / 20.0 * (1.0 + xx / 42.0));          /* sinh x/x */
     double cosh_x = 0.5 * (1.0 + xx / 12.0 * (1.0 + xx / 30.0 * (1.0 + xx / 56.0))); /* (cosh x - 1)/x^2 */
     double length = sigma * (a->e * sinh_x + a->s * cosh_x * x), along = sigma * (a->s * sinh_x + a->e * cosh_x * x);
     for (int k = 0; k < 3; k++) {

@@ -1,10 +1,10 @@
 /* shared/exact_layers.h: exact paths through a table of height whose layers have n^2 linear in height, or n constant.
  *
- * Within a layer the path is a parabola (or straight); it ends where the height reaches the layer's lower or upper face,
- * the smallest positive root of h0 + u x + a x^2/2 = face, u = p . up, a = g . up. On a face, u says which layer is
- * entered (u = 0: the one that a pulls into; pulled back from both sides: along the face, straight).
- * Between discrete layers Snell's law keeps q, the part of p along the face: u' = +- sqrt(n'^2 - q^2), or -u where that is
- * not real (total reflection). */
+ * Within a layer the path is a parabola (or straight); it ends where the height reaches the layer's lower or upper
+ * face, the smallest positive root of h0 + u x + a x^2/2 = face, u = p . up, a = g . up. On a face, u says which layer
+ * is entered (u = 0: the one that a pulls into; pulled back from both sides: along the face, straight). Between
+ * discrete layers Snell's law keeps q, the part of p along the face: u' = +- sqrt(n'^2 - q^2), or -u where that is not
+ * real (total reflection). */
 #ifndef CPM_SHARED_EXACT_LAYERS_H
 #define CPM_SHARED_EXACT_LAYERS_H
 #include "../types/medium.h"
@@ -15,8 +15,10 @@ CPM_INLINE int cpm_layer_at(const cpm_medium_data *m, CPM_GLOBAL const double *t
     int low = 0, high = m->size[0];
     while (low < high) {
         int middle = (low + high + 1) / 2;
-        if (table[m->heights + middle - 1] <= height) low = middle;
-        else high = middle - 1;
+        if (table[m->heights + middle - 1] <= height)
+            low = middle;
+        else
+            high = middle - 1;
     }
     return low;
 }
@@ -70,7 +72,8 @@ CPM_INLINE int cpm_layer_enter(const cpm_medium_data *m, CPM_GLOBAL const double
     return into;
 }
 
-/* The parabola from (r, p) and the sigma at which it leaves its layer (at most sigma_limit); p may be turned by Snell. */
+/* The parabola from (r, p) and the sigma at which it leaves its layer (at most sigma_limit); p may be turned by Snell.
+ */
 CPM_INLINE double cpm_layer_parabola(const cpm_medium_data *m, CPM_GLOBAL const double *table, double scale,
                                      const double r[3], double p[3], double g[3], double sigma_limit, double *face) {
     double rounding, roots[2], height = cpm_height_of(m, r, &rounding), end = sigma_limit;

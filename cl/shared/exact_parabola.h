@@ -56,12 +56,16 @@ CPM_INLINE cpm_split cpm_split_along(const double p[3], const double g[3]) {
     return a;
 }
 
-/* int ds/e divided by gamma, equations (1), (2); d = gamma x. 0 where q vanishes and p turns through 0 (not integrable). */
+/* int ds/e divided by gamma, equations (1), (2); d = gamma x. 0 where q vanishes and p turns through 0 (not
+ * integrable). */
 CPM_INLINE double cpm_inverse_integral(const cpm_split *a, double x) {
     double s0 = a->s, s1 = s0 + a->gamma * x, e0 = a->e, e1 = cpm_sqrt(a->q2 + s1 * s1), y;
-    if (s0 * s1 > 0.0) y = x * (s0 + s1) / (s1 * e0 + s0 * e1);
-    else if (a->q2 > 1e-30 * (e0 * e0 + e1 * e1)) y = x * (e0 - s0 * (s0 + s1) / (e0 + e1)) / a->q2;
-    else return 0.0;
+    if (s0 * s1 > 0.0)
+        y = x * (s0 + s1) / (s1 * e0 + s0 * e1);
+    else if (a->q2 > 1e-30 * (e0 * e0 + e1 * e1))
+        y = x * (e0 - s0 * (s0 + s1) / (e0 + e1)) / a->q2;
+    else
+        return 0.0;
     return y * cpm_asinh_ratio(y * a->gamma);
 }
 /* int e dx, equations (1), (3). */
@@ -79,12 +83,16 @@ CPM_INLINE double cpm_momentum_inverse(const cpm_split *a, double wanted) {
     for (int i = 0; i < 200; i++) {
         double s1 = a->s + a->gamma * x, e1 = cpm_sqrt(a->q2 + s1 * s1);
         double miss = cpm_momentum_integral(a, x) - wanted;
-        if (miss > 0.0) high = x;
-        else low = x;
+        if (miss > 0.0)
+            high = x;
+        else
+            low = x;
         double newton = miss / e1, next = x - newton / (1.0 - 0.5 * newton * a->gamma * s1 / (e1 * e1));
         if (next == x) return x;
-        if (!(next > low && next < high)) next = high < CPM_EXACT_INFINITE ? 0.5 * (low + high) : 2.0 * low;
-        else if (fabs(next - x) <= 1e-6 * fmin(x, e1 / (a->gamma + 1e-300))) return next; /* cubic: 1e-18 is left */
+        if (!(next > low && next < high))
+            next = high < CPM_EXACT_INFINITE ? 0.5 * (low + high) : 2.0 * low;
+        else if (fabs(next - x) <= 1e-6 * fmin(x, e1 / (a->gamma + 1e-300)))
+            return next; /* cubic: 1e-18 is left */
         if (next == x) return x;
         x = next;
     }

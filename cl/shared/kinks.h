@@ -1,10 +1,10 @@
-/* shared/kinks.h: where grad n jumps: faces of the cells of a trilinear grid, layers whose n^2 is linear, the ends of every
- * table (beyond them the edge value is held).
+/* shared/kinks.h: where grad n jumps: faces of the cells of a trilinear grid, layers whose n^2 is linear, the ends of
+ * every table (beyond them the edge value is held).
  *
  * A step across such a face has an error that no order helps against. So a step ends a hair before the next face along
  * the parabola of its start, and the next one begins with g from a hair beyond it. What the parabola misses of the true
- * path the drift of |p| shows (step.h). Within a hair the wrong g is used: it is as short as makes n wrong by 0.001 rtol at
- * the most, but not below what rounding leaves of the coordinate. */
+ * path the drift of |p| shows (step.h). Within a hair the wrong g is used: it is as short as makes n wrong by 0.001
+ * rtol at the most, but not below what rounding leaves of the coordinate. */
 #ifndef CPM_SHARED_KINKS_H
 #define CPM_SHARED_KINKS_H
 #include "step_trial.h"
@@ -28,7 +28,9 @@ CPM_INLINE real cpm_kink_along(real u, real hair, real forward, real speed, real
     return pick(there, smaller(sigma, none), none);
 }
 
-CPM_INLINE scalar cpm_hair(const cpm_medium_data *m, double rtol) { return R(fmin(1e-3 * rtol / m->jump, 1e-3 * m->feature)); }
+CPM_INLINE scalar cpm_hair(const cpm_medium_data *m, double rtol) {
+    return R(fmin(1e-3 * rtol / m->jump, 1e-3 * m->feature));
+}
 CPM_INLINE real cpm_hair_of_axis(const cpm_medium_data *m, scalar hair, int axis, real x) { /* metres, as all hairs */
     return hair + R(8.0 * CPM_ROUNDING) * (magnitude(x) + splat(fabs(m->origin[axis])));
 }
@@ -68,7 +70,8 @@ CPM_INLINE real cpm_kink_of_layers(const cpm_medium_data *m, CPM_GLOBAL const do
     real speed = dot3(a->p, up), forward = cpm_forward(speed), hair = cpm_hair_of_layers(m, thin, a->r);
     real u = cpm_along_axis(m, a->r), ahead = u + R(3.0) * hair * forward, behind = u - R(3.0) * hair * forward;
     real above = pick(less(ahead, low), low, high), below = pick(less(high, ahead), high, low);
-    mask crossed = less((ahead - low) * (behind - low), splat(0.0)) | less((ahead - high) * (behind - high), splat(0.0));
+    mask crossed =
+        less((ahead - low) * (behind - low), splat(0.0)) | less((ahead - high) * (behind - high), splat(0.0));
     if (m->interpolation == CPM_FIELD_LINEAR_SQUARED) {
         mask layer = cpm_layer_of(m, table, ahead);
         real number = to_reals(layer), last = splat(m->size[0] - 1);
@@ -84,8 +87,8 @@ CPM_INLINE real cpm_kink_of_layers(const cpm_medium_data *m, CPM_GLOBAL const do
     return cpm_kink_along(u, hair, forward, magnitude(speed), dot3(a->g, up), below, above);
 }
 
-/* Kinks that matter at this tolerance: in every cell a step over one of relative size k has an error of about k/20; those
- * at the ends of a smooth table are few and always worth it, but for slopes of rounding. */
+/* Kinks that matter at this tolerance: in every cell a step over one of relative size k has an error of about k/20;
+ * those at the ends of a smooth table are few and always worth it, but for slopes of rounding. */
 CPM_INLINE int cpm_has_kinks(const cpm_medium_data *m, double rtol) {
     return m->interpolation == CPM_FIELD_CUBIC ? m->jump * m->feature > 0.1 * rtol : m->kink > 20.0 * rtol;
 }

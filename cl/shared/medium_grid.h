@@ -9,8 +9,8 @@
 #include "../types/medium.h"
 
 typedef struct {
-    real t;       /* in [0, 1] within the cell */
-    real inside;  /* 1/spacing where the coordinate lies within the samples, else 0: the factor of d/dt */
+    real t;      /* in [0, 1] within the cell */
+    real inside; /* 1/spacing where the coordinate lies within the samples, else 0: the factor of d/dt */
     mask cell;
 } cpm_cell;
 

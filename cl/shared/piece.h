@@ -6,8 +6,8 @@
  *   D = f1 - f0 - f0' h - f0'' h^2/2,  V = (f1' - f0' - f0'' h) h,  A = (f1'' - f0'') h^2
  *   c3 = 10 D - 4 V + A/2,  c4 = -15 D + 7 V - A,  c5 = 6 D - 3 V + A/2                                            (2)
  *
- * Position: f' = p, f'' = g. Arc length: l' = n, l'' = dn/dsigma = g . p/n. The error is f^(6) h^6 theta^3 (1 - theta)^3
- * /720: near an end (within 5 % on either side, so also just beyond it) 1/100 of its middle's. */
+ * Position: f' = p, f'' = g. Arc length: l' = n, l'' = dn/dsigma = g . p/n. The error is f^(6) h^6 theta^3 (1 -
+ * theta)^3 /720: near an end (within 5 % on either side, so also just beyond it) 1/100 of its middle's. */
 #ifndef CPM_SHARED_PIECE_H
 #define CPM_SHARED_PIECE_H
 #include "../dialect.h"
@@ -15,7 +15,7 @@
 #include "roots.h"
 
 #define CPM_ON_PLANE 1e-15 /* of the coordinates' size: what rounding leaves */
-#define CPM_NO_ROOT 2.0 /* theta returned where there is none */
+#define CPM_NO_ROOT 2.0    /* theta returned where there is none */
 
 /* Coefficients c[0..5] of f(theta), equations (1) and (2). */
 CPM_INLINE void cpm_quintic(double h, double f0, double d0, double s0, double f1, double d1, double s1, double c[6]) {
@@ -77,8 +77,10 @@ CPM_INLINE double cpm_piece_theta(const cpm_piece *piece, double length) {
     double low = wanted < 0.0 ? -0.25 : 0.0, high = wanted > whole ? 1.25 : 1.0, t = wanted / whole;
     for (int i = 0; i < 60; i++) {
         double miss = cpm_quintic_at(c, t) - wanted, slope = cpm_quintic_slope(c, t);
-        if (miss > 0.0) high = t;
-        else low = t;
+        if (miss > 0.0)
+            high = t;
+        else
+            low = t;
         double next = slope > 0.0 ? t - miss / slope : 0.5 * (low + high);
         if (!(next >= low && next <= high)) next = 0.5 * (low + high);
         double moved = next - t;

@@ -50,6 +50,7 @@ CPM_INLINE cpm_u32 cpm_owen_scramble(cpm_u32 x, cpm_u32 seed) {
 /* Point `index` in one dimension, as 32 bits of a fraction. */
 CPM_INLINE cpm_u32 cpm_sobol(cpm_u32 index, int dimension, cpm_u32 seed) {
     cpm_u32 x = 0;
+    if (dimension == 0) return cpm_owen_scramble(cpm_reverse_bits(index), seed); /* van der Corput */
     for (int bit = 0; index; bit++, index >>= 1)
         if (index & 1u) x ^= cpm_sobol_directions[dimension][bit];
     return cpm_owen_scramble(x, seed);

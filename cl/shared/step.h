@@ -1,22 +1,24 @@
 /* shared/step.h: one attempted step of eight rays, accepted or refused lane by lane.
  *
  * Acceptance (adaptive methods). Position error per unit length: the embedded error of a step of length d is at most
- * L (rtol d + atol d/expected), so that errors add up to rtol x length + atol; direction error of a step at most L rtol.
- * Never relative to |r|. L: dopri5 keeps the fifth-order result while the estimate is the fourth's, larger by a factor
- * that grows as rtol^(-1/8) (measured on smooth fields, 1e-3 to 1e-12); L = 0.56 rtol^(-1/8) takes that back. euler: 1.
+ * L (rtol d + atol d/expected), so that errors add up to rtol x length + atol; direction error of a step at most L
+ * rtol. Never relative to |r|. L: dopri5 keeps the fifth-order result while the estimate is the fourth's, larger by a
+ * factor that grows as rtol^(-1/8) (measured on smooth fields, 1e-3 to 1e-12); L = 0.56 rtol^(-1/8) takes that back.
+ * euler: 1.
  *
- * Where the field has kinks or thin layers both estimates are blind, but | |p| - n |/n, whose growth in a step is a true
- * error of momentum along p, is not. An error in the direction of the force, at an angle a to p, shows in it times cos a:
- * a step is refused when it grows by more than 0.3 rtol cos a (cos a >= 0.03), far below the 10 rtol that would only
- * tell that a layer was stepped over. And when n^2 <= 0 was met at any stage the step is cut to a quarter.
+ * Where the field has kinks or thin layers both estimates are blind, but | |p| - n |/n, whose growth in a step is a
+ * true error of momentum along p, is not. An error in the direction of the force, at an angle a to p, shows in it times
+ * cos a: a step is refused when it grows by more than 0.5 rtol cos a (cos a >= 0.03), far below the 10 rtol that would
+ * only tell that a layer was stepped over. And when n^2 <= 0 was met at any stage the step is cut to a quarter.
  *
  * The next step follows the worst of the three ratios E by a PI controller (Gustafsson 1991); E grows as h^4 (dopri5):
  * h E^(-3/16) E_before^(1/16); as h (euler): h E^(-3/4) E_before^(1/4). Rough logarithms serve.
  *
  * Steps end where grad n jumps (kinks.h), one evaluation more each; fixed steps do not.
  *
- * A ray ends by status: evaluations exhausted, no step small enough (64 refusals running, or a step that moves nothing),
- * cut-off: n below 1e-6 of its start, or a turn back through p = 0 (normal incidence on n = 0), left: 1e100 m gone. */
+ * A ray ends by status: evaluations exhausted, no step small enough (64 refusals running, or a step that moves
+ * nothing), cut-off: n below 1e-6 of its start, or a turn back through p = 0 (normal incidence on n = 0), left: 1e100 m
+ * gone. */
 #ifndef CPM_SHARED_STEP_H
 #define CPM_SHARED_STEP_H
 #include "../types/lanes.h"
@@ -26,8 +28,8 @@
 #include "step_euler.h"
 #include "step_rk4.h"
 
-#define CPM_FAR (CPM_SINGLE ? 1e15 : 1e100)    /* metres */
-#define CPM_CUTOFF 1e-6                        /* of n at the start */
+#define CPM_FAR (CPM_SINGLE ? 1e15 : 1e100) /* metres */
+#define CPM_CUTOFF 1e-6                     /* of n at the start */
 #define CPM_MAX_REFUSED 64
 #define CPM_LEAST_RTOL (CPM_SINGLE ? 1e-6 : 1e-15) /* below it rounding alone would refuse steps of any size */
 #define CPM_PARTS (CPM_LANES / CPM_WIDTH)
@@ -50,8 +52,10 @@ CPM_INLINE real cpm_first_step(const cpm_step_control *c, const cpm_medium_data 
     if (c->step > 0.0) return R(c->step) / a->n;
     real bend = root(dot3(a->g, a->g)) / (a->n * a->n);
     real metres;
-    if (c->method == CPM_STEP_EULER) metres = splat(c->first) / (bend + R(1e-30));
-    else metres = splat(c->first) / (bend + R(1.0 / m->feature) + R(1e-30));
+    if (c->method == CPM_STEP_EULER)
+        metres = splat(c->first) / (bend + R(1e-30));
+    else
+        metres = splat(c->first) / (bend + R(1.0 / m->feature) + R(1e-30));
     real most = pick(less(splat(0.0), expected), expected, splat(CPM_FAR));
     return smaller(metres, most) / a->n;
 }
@@ -73,8 +77,7 @@ CPM_INLINE void cpm_lanes_begin(const cpm_step_control *c, const cpm_medium_data
         a.p = pick3(new_ray & good & less(zero, size), scale3(a.n / root(size), a.p), a.p);
         real h = load_doubles(rays->h, part), expected = load_doubles(rays->expected, part);
         h = pick(less(zero, h), h, cpm_first_step(c, m, &a, expected));
-#define CPM_FRESH(field, value) \
-    store_doubles(pick(new_ray, value, load_doubles(rays->field, part)), rays->field, part)
+#define CPM_FRESH(field, value) store_doubles(pick(new_ray, value, load_doubles(rays->field, part)), rays->field, part)
         store3_doubles(a.p, rays->p, part);
         store3_doubles(pick3(new_ray, a.g, load3_doubles(rays->g, part)), rays->g, part);
         CPM_FRESH(n, pick(good, a.n, zero));
@@ -164,13 +167,13 @@ CPM_INLINE cpm_attempt cpm_prepare(const cpm_step_control *c, const cpm_medium_d
 
 /* How good a trial is. */
 typedef struct {
-    real off, turn;      /* estimated errors: metres, radians */
-    real drift, growth;  /* of |p| from n, relative; growth in this step */
-    real ratio;          /* log2 of the worst of error to tolerance */
-    real far;            /* |x| + |y| + |z|, metres */
-    real where;          /* of the turn, 0..1 of the step */
-    mask turned;         /* p goes through 0 */
-    mask usable, worth;  /* finite, n > 0; within the tolerance */
+    real off, turn;     /* estimated errors: metres, radians */
+    real drift, growth; /* of |p| from n, relative; growth in this step */
+    real ratio;         /* log2 of the worst of error to tolerance */
+    real far;           /* |x| + |y| + |z|, metres */
+    real where;         /* of the turn, 0..1 of the step */
+    mask turned;        /* p goes through 0 */
+    mask usable, worth; /* finite, n > 0; within the tolerance */
 } cpm_verdict;
 
 CPM_INLINE cpm_verdict cpm_judge(const cpm_step_control *c, const cpm_lane_rays *rays, int part, const cpm_attempt *a,
@@ -188,7 +191,7 @@ CPM_INLINE cpm_verdict cpm_judge(const cpm_step_control *c, const cpm_lane_rays 
     }
     v.off = root(t->error_position2 + way_error * way_error);
     v.turn = root(t->error_momentum2) * (t->end.n * per_square);
-    real excess = (size - t->end.n * t->end.n) * per_square;                   /* |p|^2/n^2 - 1 */
+    real excess = (size - t->end.n * t->end.n) * per_square;                /* |p|^2/n^2 - 1 */
     v.drift = magnitude(excess) / (R(2.0) + R(0.5) * larger(excess, -one)); /* sqrt(1 + x) - 1 to x^3/32 */
     v.growth = pick(v.turned, zero, v.drift - load_doubles(rays->drift_now, part));
     v.far = magnitude(t->end.r.x) + magnitude(t->end.r.y) + magnitude(t->end.r.z);
@@ -200,7 +203,7 @@ CPM_INLINE cpm_verdict cpm_judge(const cpm_step_control *c, const cpm_lane_rays 
     real slant = log2_rough(along * along) - log2_rough(dot3(push, push) * size + R(1e-30));
     slant = exp2_rough(smaller(larger(R(0.5) * slant, splat(-5.0)), zero)); /* cos a, 0.03 to 1 */
     const double rtol = fmax(c->rtol, CPM_LEAST_RTOL);
-    real may_off = R(c->lenient * rtol) * t->way, may_grow = R(0.3 * rtol) * slant + noise;
+    real may_off = R(c->lenient * rtol) * t->way, may_grow = R(0.5 * rtol) * slant + noise;
     if (c->atol > 0.0) {
         real expected = load_doubles(rays->expected, part);
         real share = pick(less(zero, expected), smaller(t->way / larger(expected, splat(1e-30)), one), splat(0.1));
@@ -281,9 +284,12 @@ CPM_INLINE void cpm_lanes_attempt_part(const cpm_step_control *c, const cpm_medi
 
     const cpm_attempt a = cpm_prepare(c, m, table, rays, part, going, evaluations, kinks);
     cpm_trial t;
-    if (c->method == CPM_STEP_EULER) t = cpm_step_euler(m, table, &a.at, a.h);
-    else if (c->method == CPM_STEP_RK4) t = cpm_step_rk4(m, table, &a.at, a.h);
-    else t = cpm_step_dopri5(m, table, &a.at, a.h);
+    if (c->method == CPM_STEP_EULER)
+        t = cpm_step_euler(m, table, &a.at, a.h);
+    else if (c->method == CPM_STEP_RK4)
+        t = cpm_step_rk4(m, table, &a.at, a.h);
+    else
+        t = cpm_step_dopri5(m, table, &a.at, a.h);
     cpm_verdict v = cpm_judge(c, rays, part, &a, &t);
     mask accepted = going & v.usable & v.worth, refused = going & ~accepted;
     cpm_plan(c, rays, part, &a, &v, accepted);

@@ -1,6 +1,6 @@
-/* shared/step_euler.h: Euler with Richardson extrapolation, the paper's method: one full step against two half steps; the
- * extrapolated value 2 (two halves) - (one full) is kept, second order. 2 evaluations a step: at the half step and at the
- * end, where the next one starts.
+/* shared/step_euler.h: Euler with Richardson extrapolation, the paper's method: one full step against two half steps;
+ * the extrapolated value 2 (two halves) - (one full) is kept, second order. 2 evaluations a step: at the half step and
+ * at the end, where the next one starts.
  *
  *   halves   r + h p + h^2 g/4,  p + h (g + g_half)/2      full   r + h p,  p + h g
  *   kept     r + h p + h^2 g/2,  p + h g_half              difference   h^2 g/4,  h (g_half - g)/2                  (1)

@@ -1,5 +1,5 @@
-/* shared/step_rk4.h: the classical Runge-Kutta method, fixed steps; 3 evaluations within and 1 at the end. As r'' = g(r)
- * (see step_dopri5.h), with g1 at the start:
+/* shared/step_rk4.h: the classical Runge-Kutta method, fixed steps; 3 evaluations within and 1 at the end. As r'' =
+ * g(r) (see step_dopri5.h), with g1 at the start:
  *
  *   r2 = r + h p/2,  r3 = r2 + h^2 g1/4,  r4 = r + h p + h^2 g2/2
  *   r + h p + h^2 (g1 + g2 + g3)/6,  p + h (g1 + 2 g2 + 2 g3 + g4)/6                                               (1)
@@ -9,7 +9,8 @@
 #define CPM_SHARED_STEP_RK4_H
 #include "step_trial.h"
 
-CPM_INLINE cpm_trial cpm_step_rk4(const cpm_medium_data *m, CPM_GLOBAL const double *table, const cpm_point *a, real h) {
+CPM_INLINE cpm_trial cpm_step_rk4(const cpm_medium_data *m, CPM_GLOBAL const double *table, const cpm_point *a,
+                                  real h) {
     cpm_trial t;
     real hh = h * h, n2, n3, n4;
     real3 r2 = add3(a->r, R(0.5) * h, a->p);

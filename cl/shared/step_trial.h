@@ -10,7 +10,7 @@ typedef struct {
 
 typedef struct {
     cpm_point end;
-    real way, path;      /* arc length and optical path of the step, metres */
+    real way, path;       /* arc length and optical path of the step, metres */
     real error_position2; /* metres^2: square of the estimate for the lower-order result */
     real error_way;       /* metres of arc length, signed */
     real error_momentum2; /* square, of p; all 0 where the method has no estimate */

@@ -104,7 +104,8 @@ CPM_INLINE void cpm_load_lane(cpm_lane_rays *rays, int i, const cpm_ray_start *s
 
 /* Rays first..last - 1. */
 CPM_INLINE void cpm_trace_range(const cpm_step_control *c, const cpm_medium_data *m, CPM_GLOBAL const double *table,
-                                const cpm_ray_goal *plane, const cpm_trace_arrays *arrays, cpm_i64 first, cpm_i64 last) {
+                                const cpm_ray_goal *plane, const cpm_trace_arrays *arrays, cpm_i64 first,
+                                cpm_i64 last) {
     if (c->method == CPM_STEP_EXACT) {
         for (cpm_i64 ray = first; ray < last; ray++) cpm_trace_exact(m, table, plane, arrays, ray);
         return;
@@ -126,7 +127,8 @@ CPM_INLINE void cpm_trace_range(const cpm_step_control *c, const cpm_medium_data
                 length[i] = start.length, longest[i] = start.max_step;
                 samples[i].count = arrays->samples, samples[i].next = 0;
                 samples[i].position = arrays->positions + 3 * arrays->samples * first;
-                samples[i].step = arrays->samples > 1 ? arrays->ends[first].length / (double)(arrays->samples - 1) : 0.0;
+                samples[i].step =
+                    arrays->samples > 1 ? arrays->ends[first].length / (double)(arrays->samples - 1) : 0.0;
                 owner[i] = first++;
                 idle--;
             }
@@ -137,8 +139,10 @@ CPM_INLINE void cpm_trace_range(const cpm_step_control *c, const cpm_medium_data
                 if (longest[i] > 0.0) rays.limit[i] = longest[i] / rays.n_start[i];
                 if (length[i] == 0.0 && rays.status[i] < 0) rays.status[i] = CPM_ENDED_ARRIVED;
             }
-        } else if (idle == CPM_LANES) return;
-        else cpm_lanes_attempt(c, m, table, &rays);
+        } else if (idle == CPM_LANES)
+            return;
+        else
+            cpm_lanes_attempt(c, m, table, &rays);
         for (int i = 0; i < CPM_LANES; i++) {
             if (owner[i] < 0 || !(rays.accepted[i] || rays.status[i] >= 0)) continue;
             cpm_piece piece;
@@ -147,8 +151,8 @@ CPM_INLINE void cpm_trace_range(const cpm_step_control *c, const cpm_medium_data
             if (rays.accepted[i]) theta = cpm_landing(&piece, plane, length[i]);
             int over = theta != CPM_NO_ROOT || rays.status[i] >= 0;
             if (rays.accepted[i] && arrays->samples)
-                cpm_sample_piece(&samples[i], &piece, theta != CPM_NO_ROOT ? cpm_piece_length(&piece, theta) : piece.length1,
-                                 over);
+                cpm_sample_piece(&samples[i], &piece,
+                                 theta != CPM_NO_ROOT ? cpm_piece_length(&piece, theta) : piece.length1, over);
             if (!over) continue;
             cpm_ray_end end;
             cpm_end_of_lane(&rays, i, &piece, theta, length[i], &end);

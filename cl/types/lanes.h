@@ -1,7 +1,7 @@
 /* types/lanes.h: eight integrated rays and what steers them, the same memory on both sides.
  *
- * Arrays of 8 doubles whatever the width or precision of the arithmetic (float lanes hold float values in them), so that
- * a caller reads and loads single rays by index while the steps run on whole lanes. */
+ * Arrays of 8 doubles whatever the width or precision of the arithmetic (float lanes hold float values in them), so
+ * that a caller reads and loads single rays by index while the steps run on whole lanes. */
 #ifndef CPM_TYPES_LANES_H
 #define CPM_TYPES_LANES_H
 #include "../dialect.h"
@@ -30,28 +30,28 @@ typedef struct cpm_lane_rays {
                                  shortened to it; the caller ends the ray by the piece */
     double expected[CPM_LANES]; /* metres the ray is likely to go in all; 0: unknown. Shares out atol, first step */
     double n_start[CPM_LANES], evaluations[CPM_LANES], steps[CPM_LANES], rejected[CPM_LANES];
-    double drift[CPM_LANES];     /* max | |p| - n | / n */
-    double drift_now[CPM_LANES]; /* the same at the current point */
-    double error[CPM_LANES];     /* metres: embedded errors, those of direction carried along the ray */
+    double drift[CPM_LANES];      /* max | |p| - n | / n */
+    double drift_now[CPM_LANES];  /* the same at the current point */
+    double error[CPM_LANES];      /* metres: embedded errors, those of direction carried along the ray */
     double error_turn[CPM_LANES]; /* radians: embedded errors of direction */
-    double previous[CPM_LANES];     /* log2 of the last ratio of error to tolerance: the step controller's memory */
-    double refused[CPM_LANES];   /* attempts refused since the last step */
-    cpm_i64 status[CPM_LANES];   /* -1 going, else a cpm_ray_status */
-    cpm_i64 at_kink[CPM_LANES];  /* grad n jumps here: g is to be taken anew, beyond it */
-    cpm_i64 accepted[CPM_LANES]; /* nonzero: the last attempt was accepted, and the piece below is valid */
+    double previous[CPM_LANES];   /* log2 of the last ratio of error to tolerance: the step controller's memory */
+    double refused[CPM_LANES];    /* attempts refused since the last step */
+    cpm_i64 status[CPM_LANES];    /* -1 going, else a cpm_ray_status */
+    cpm_i64 at_kink[CPM_LANES];   /* grad n jumps here: g is to be taken anew, beyond it */
+    cpm_i64 accepted[CPM_LANES];  /* nonzero: the last attempt was accepted, and the piece below is valid */
     double r0[3][CPM_LANES], p0[3][CPM_LANES], g0[3][CPM_LANES], n0[CPM_LANES], length0[CPM_LANES];
     double optical_path0[CPM_LANES], piece_h[CPM_LANES]; /* the piece: from r0 to r in piece_h */
 } cpm_lane_rays;
 
 /* What holds for all rays of a call. */
 typedef struct cpm_step_control {
-    cpm_i32 method;     /* CPM_STEP_ */
+    cpm_i32 method; /* CPM_STEP_ */
     cpm_i32 reserved;
-    double rtol, atol;  /* position error <= atol + rtol x length, direction error <= rtol */
-    double step;        /* metres of arc, fixed; 0: adaptive */
-    double max_step;    /* metres of arc; infinite: none */
+    double rtol, atol; /* position error <= atol + rtol x length, direction error <= rtol */
+    double step;       /* metres of arc, fixed; 0: adaptive */
+    double max_step;   /* metres of arc; infinite: none */
     double max_evaluations;
-    double lenient;     /* from rtol by cpm_step_control_set (shared/step.h): see there */
+    double lenient; /* from rtol by cpm_step_control_set (shared/step.h): see there */
     double first;
 } cpm_step_control;
 CPM_STATIC_ASSERT(sizeof(cpm_step_control) == 64, cpm_step_control_size);

@@ -30,7 +30,8 @@ static cpm_status bad_number(cpm_context *context, const char *name, double valu
 
 static cpm_status check_steering(cpm_context *context, const cpm_rays_request *q) {
     if (q->method < CPM_METHOD_AUTO || q->method > CPM_METHOD_DOPRI5)
-        return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "method is %d; must be 0 to 4 (cpm_method)", (int)q->method);
+        return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "method is %d; must be 0 to 4 (cpm_method)",
+                        (int)q->method);
     if (q->rtol != 0.0 && !(q->rtol >= MIN_RTOL && q->rtol <= 1.0))
         return bad_number(context, "rtol", q->rtol, "in [1e-14, 1], or 0 for the method's default");
     if (!(q->atol >= 0.0) || !isfinite(q->atol)) return bad_number(context, "atol", q->atol, "finite and >= 0");
@@ -49,13 +50,17 @@ static cpm_status check_steering(cpm_context *context, const cpm_rays_request *q
 static cpm_status check_arrays(cpm_context *context, const cpm_rays_request *q) {
     if (q->count && (!q->origins || !q->directions || !q->wavelengths))
         return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "%s is NULL",
-                        !q->origins ? "origins" : !q->directions ? "directions" : "wavelengths");
-    if (q->count > PTRDIFF_MAX / sizeof(cpm_ray_end) || (q->path_samples && q->count > PTRDIFF_MAX / 24 / q->path_samples))
+                        !q->origins      ? "origins"
+                        : !q->directions ? "directions"
+                                         : "wavelengths");
+    if (q->count > PTRDIFF_MAX / sizeof(cpm_ray_end) ||
+        (q->path_samples && q->count > PTRDIFF_MAX / 24 / q->path_samples))
         return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "count is %zu with path_samples %zu; too many", q->count,
                         q->path_samples);
     if (q->wavelength_stride < 0 || q->wavelength_stride > 1 || q->length_stride < 0 || q->length_stride > 1)
-        return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "wavelength_stride and length_stride are %td and %td; must be 0 or 1",
-                        q->wavelength_stride, q->length_stride);
+        return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT,
+                        "wavelength_stride and length_stride are %td and %td; must be 0 or 1", q->wavelength_stride,
+                        q->length_stride);
     for (size_t i = 0; i < (q->wavelength_stride ? q->count : q->count > 0); i++)
         if (!isfinite(q->wavelengths[i]) || !(q->wavelengths[i] > 0.0))
             return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "wavelengths[%zu] is %g nm; must be finite and > 0", i,
@@ -64,9 +69,11 @@ static cpm_status check_arrays(cpm_context *context, const cpm_rays_request *q) 
         const double *r = q->origins + 3 * i, *d = q->directions + 3 * i;
         for (int k = 0; k < 3; k++) {
             if (!isfinite(r[k]))
-                return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "origins[%zu, %d] is %g; must be finite", i, k, r[k]);
+                return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "origins[%zu, %d] is %g; must be finite", i, k,
+                                r[k]);
             if (!isfinite(d[k]))
-                return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "directions[%zu, %d] is %g; must be finite", i, k, d[k]);
+                return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "directions[%zu, %d] is %g; must be finite", i, k,
+                                d[k]);
         }
         if (d[0] == 0.0 && d[1] == 0.0 && d[2] == 0.0)
             return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "directions[%zu] is zero; must have a direction", i);
@@ -81,7 +88,8 @@ static cpm_status check_end(cpm_context *context, const cpm_rays_request *q, cpm
         return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "%s is NULL; a plane needs a point and a normal",
                         q->plane_point ? "plane_normal" : "plane_point");
     if ((q->lengths != NULL) == plane)
-        return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "%s lengths and a plane are given; exactly one ends a ray in a medium",
+        return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT,
+                        "%s lengths and a plane are given; exactly one ends a ray in a medium",
                         plane ? "both" : "neither");
     if (!plane) {
         for (size_t i = 0; i < (q->length_stride ? q->count : q->count > 0); i++)
@@ -93,11 +101,13 @@ static cpm_status check_end(cpm_context *context, const cpm_rays_request *q, cpm
     double largest = 0.0, size = 0.0;
     for (int k = 0; k < 3; k++) {
         if (!isfinite(q->plane_point[k]) || !isfinite(q->plane_normal[k]))
-            return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "until: plane_point[%d] and plane_normal are %g and %g; must be finite", k,
+            return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT,
+                            "until: plane_point[%d] and plane_normal are %g and %g; must be finite", k,
                             q->plane_point[k], q->plane_normal[k]);
         largest = fmax(largest, fabs(q->plane_normal[k]));
     }
-    if (largest == 0.0) return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "until: plane_normal is zero; must have a direction");
+    if (largest == 0.0)
+        return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "until: plane_normal is zero; must have a direction");
     for (int k = 0; k < 3; k++) size += (q->plane_normal[k] / largest) * (q->plane_normal[k] / largest);
     for (int k = 0; k < 3; k++) {
         goal->point[k] = q->plane_point[k];
@@ -108,7 +118,8 @@ static cpm_status check_end(cpm_context *context, const cpm_rays_request *q, cpm
 
 /* ------------------------------------------------------------------------------------------------------ method */
 
-static cpm_status choose_method(cpm_context *context, const cpm_medium *medium, const cpm_rays_request *q, int32_t *method) {
+static cpm_status choose_method(cpm_context *context, const cpm_medium *medium, const cpm_rays_request *q,
+                                int32_t *method) {
     const uint32_t without = q->exclude;
     const int exact = cpm_medium_has_exact(medium), exact_only = cpm_medium_needs_exact(medium);
     *method = q->method;
@@ -125,15 +136,17 @@ static cpm_status choose_method(cpm_context *context, const cpm_medium *medium, 
                             (unsigned)without);
     }
     if (*method == CPM_METHOD_EXACT && !exact)
-        return cpm_fail(context, CPM_ERROR_UNSUPPORTED,
-                        "method is exact; this medium has no closed form (homogeneous, linear-squared, linear, and layered "
-                        "linear-squared and step have)");
+        return cpm_fail(
+            context, CPM_ERROR_UNSUPPORTED,
+            "method is exact; this medium has no closed form (homogeneous, linear-squared, linear, and layered "
+            "linear-squared and step have)");
     if (*method != CPM_METHOD_EXACT && exact_only)
         return cpm_fail(context, CPM_ERROR_UNSUPPORTED,
                         "discrete layers (step) have no gradient to integrate; only method exact (or auto, exact not "
                         "excluded) traces them");
     if (*method == CPM_METHOD_RK4 && !(q->step > 0.0))
-        return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "step is 0; method rk4 takes fixed steps: give step > 0 in metres");
+        return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT,
+                        "step is 0; method rk4 takes fixed steps: give step > 0 in metres");
     return CPM_OK;
 }
 
@@ -177,7 +190,9 @@ static cpm_status run(const trace_work *w, cpm_ray_end *ends, double *positions,
     const int64_t count = (int64_t)w->request->count, threads = w->context->threads;
     int64_t chunk = (count / (8 * threads) + CPM_LANES) / CPM_LANES * CPM_LANES;
     if (chunk > MAX_CHUNK) chunk = MAX_CHUNK;
-    const cpm_trace_arrays arrays = {.starts = w->starts, .ends = ends, .positions = positions,
+    const cpm_trace_arrays arrays = {.starts = w->starts,
+                                     .ends = ends,
+                                     .positions = positions,
                                      .samples = positions ? (int64_t)w->request->path_samples : 0};
     const int64_t chunks = (count + chunk - 1) / chunk;
     int64_t done = 0;
@@ -194,7 +209,8 @@ static cpm_status run(const trace_work *w, cpm_ray_end *ends, double *positions,
             cpm_progress(w->context, "trace", from + (to - from) * (double)so_far / (double)chunks);
         }
     }
-    return cpm_cancelled(w->context) ? cpm_fail(w->context, CPM_ERROR_CANCELLED, "cancelled while tracing rays") : CPM_OK;
+    return cpm_cancelled(w->context) ? cpm_fail(w->context, CPM_ERROR_CANCELLED, "cancelled while tracing rays")
+                                     : CPM_OK;
 }
 
 /* A ray that could not start: n^2 <= 0 there. */
@@ -204,7 +220,8 @@ static cpm_status check_started(const trace_work *w) {
             const double *r = w->starts[i].r;
             if (!(cpm_medium_n_toward(w->medium, w->starts[i].scale, r, w->starts[i].d) > 0.0))
                 return cpm_fail(w->context, CPM_ERROR_INVALID_ARGUMENT,
-                                "origins[%zu] is (%g, %g, %g), where n^2 <= 0; a ray must start where n > 0", i, r[0], r[1], r[2]);
+                                "origins[%zu] is (%g, %g, %g), where n^2 <= 0; a ray must start where n > 0", i, r[0],
+                                r[1], r[2]);
         }
     return CPM_OK;
 }
@@ -291,8 +308,8 @@ cpm_status cpm_rays_trace(cpm_context *context, const cpm_medium *medium, struct
     if (!request || !result)
         return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "%s is NULL", request ? "result" : "request");
     if ((medium != NULL) == (scene != NULL))
-        return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "%s medium and scene are given; rays are traced in exactly one",
-                        medium ? "both" : "neither");
+        return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT,
+                        "%s medium and scene are given; rays are traced in exactly one", medium ? "both" : "neither");
     cpm_rays_request q;
     cpm_rays_result out;
     CPM_TAKE(q, request);
@@ -307,11 +324,16 @@ cpm_status cpm_rays_trace(cpm_context *context, const cpm_medium *medium, struct
     status = check_end(context, &q, &w.goal);
     if (status == CPM_OK) status = choose_method(context, medium, &q, &method);
     if (status != CPM_OK || q.count == 0) return status;
-    w.control = (cpm_step_control){.method = method, .atol = q.atol, .step = q.step,
-                                   .rtol = q.rtol > 0.0 ? q.rtol : method == CPM_METHOD_EULER ? 1e-2 : 1e-6,
+    w.control = (cpm_step_control){.method = method,
+                                   .atol = q.atol,
+                                   .step = q.step,
+                                   .rtol = q.rtol > 0.0                 ? q.rtol
+                                           : method == CPM_METHOD_EULER ? 1e-2
+                                                                        : 1e-6,
                                    .max_step = q.max_step > 0.0 ? fmin(q.max_step, CPM_INFINITE) : CPM_INFINITE,
                                    .max_evaluations = q.max_evaluations > 0 ? (double)q.max_evaluations : 1e6};
-    if (q.single_precision) w.control.max_evaluations = fmin(w.control.max_evaluations, 16777216.0); /* counted in float */
+    if (q.single_precision)
+        w.control.max_evaluations = fmin(w.control.max_evaluations, 16777216.0); /* counted in float */
     cpm_step_control_set(&w.control);
     w.goal.max_evaluations = w.control.max_evaluations;
     w.starts = malloc(q.count * sizeof *w.starts);
@@ -319,7 +341,8 @@ cpm_status cpm_rays_trace(cpm_context *context, const cpm_medium *medium, struct
     if (w.starts && w.ends) {
         cpm_progress_begin(context);
         status = trace_in_medium(&w, method, &out);
-    } else status = cpm_fail(context, CPM_ERROR_OUT_OF_MEMORY, "out of memory for %zu rays", q.count);
+    } else
+        status = cpm_fail(context, CPM_ERROR_OUT_OF_MEMORY, "out of memory for %zu rays", q.count);
     free(w.starts);
     free(w.ends);
     return status;

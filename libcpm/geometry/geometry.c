@@ -17,7 +17,7 @@
 
 #define ULP 1.2e-7              /* of a float, relative */
 #define START_ULPS 8.0          /* a straight float ray starts this many ulp of the scene away */
-#define SAGITTA_OF_DIAGONAL 0.03 /* boxes of large triangles are grown by at most this part of the scene */
+#define SAGITTA_OF_DIAGONAL 0.02 /* boxes of large triangles are grown by at most this part of the scene */
 #define SAGITTA_OF_EDGE 0.5      /* and by half the median edge of small ones */
 #define MAX_CHORDS 100000.0
 #define STEP_BACK 1e-12

@@ -23,7 +23,8 @@ static cpm_status set_reference(cpm_context *context, cpm_medium *m) {
     m->reference = cpm_medium_by_square(&m->data) ? (n - 1.0) * (n + 1.0) : n - 1.0;
     if (fabs(m->reference) < 1e-12)
         return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT,
-                        "dispersion gives n = 1 at %g nm, where the medium's own numbers hold: nothing to scale", CPM_D_LINE);
+                        "dispersion gives n = 1 at %g nm, where the medium's own numbers hold: nothing to scale",
+                        CPM_D_LINE);
     return CPM_OK;
 }
 
@@ -43,7 +44,8 @@ cpm_status cpm_medium_make(cpm_context *context, const cpm_medium_data *data, si
         m->table = aligned_alloc(64, bytes);
         if (!m->table) {
             free(m);
-            return cpm_fail(context, CPM_ERROR_OUT_OF_MEMORY, "out of memory for a medium's table of %zu doubles", table_count);
+            return cpm_fail(context, CPM_ERROR_OUT_OF_MEMORY, "out of memory for a medium's table of %zu doubles",
+                            table_count);
         }
         memset(m->table, 0, bytes);
         m->table_count = table_count;
@@ -120,7 +122,8 @@ static cpm_status create_linear(cpm_context *context, int32_t kind, double value
 }
 
 cpm_status cpm_medium_create_linear_squared(cpm_context *context, double n_squared, const double *gradient,
-                                            const double *origin, const cpm_dispersion *dispersion, cpm_medium **medium) {
+                                            const double *origin, const cpm_dispersion *dispersion,
+                                            cpm_medium **medium) {
     if (!medium) return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "medium is NULL");
     *medium = NULL;
     if (!context) return CPM_ERROR_INVALID_ARGUMENT;

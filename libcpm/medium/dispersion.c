@@ -1,8 +1,8 @@
 /* medium/dispersion.c: checking a dispersion, and the factor that a wavelength gives a medium.
  *
  * A medium's own numbers hold at the d line. One defined by n has s = (D(w) - 1)/(D(d) - 1), one defined by n^2 has
- * s = (D(w)^2 - 1)/(D(d)^2 - 1). A homogeneous medium made from a dispersion alone stores N = 1, so s = D(w) - 1 and the
- * d line need not be in range. */
+ * s = (D(w)^2 - 1)/(D(d)^2 - 1). A homogeneous medium made from a dispersion alone stores N = 1, so s = D(w) - 1 and
+ * the d line need not be in range. */
 #include "cl/shared/dispersion.h"
 
 #include "dispersion.h"
@@ -46,24 +46,25 @@ cpm_status cpm_dispersion_take(cpm_context *context, const cpm_dispersion *given
     ours->struct_size = sizeof *ours;
     if (!given) return CPM_OK;
     if (given->struct_size < offsetof(cpm_dispersion, coefficients))
-        return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "dispersion.struct_size is %zu; set it to sizeof(cpm_dispersion)",
-                        given->struct_size);
+        return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT,
+                        "dispersion.struct_size is %zu; set it to sizeof(cpm_dispersion)", given->struct_size);
     CPM_TAKE(*ours, given);
     if (ours->kind == CPM_DISPERSION_NONE) return CPM_OK;
     if (ours->kind < CPM_DISPERSION_NONE || ours->kind > CPM_DISPERSION_TABULATED)
-        return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "dispersion.kind is %d; must be 0 to 4 (cpm_dispersion_kind)",
-                        (int)ours->kind);
+        return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT,
+                        "dispersion.kind is %d; must be 0 to 4 (cpm_dispersion_kind)", (int)ours->kind);
     int pairs = ours->kind == CPM_DISPERSION_SELLMEIER || ours->kind == CPM_DISPERSION_TABULATED;
     if (ours->count < 1 || ours->count > CPM_DISPERSION_MAX_COEFFICIENTS || (pairs && ours->count % 2))
-        return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "dispersion.count is %d; must be 1 to %d%s", (int)ours->count,
-                        CPM_DISPERSION_MAX_COEFFICIENTS, pairs ? " and even (pairs)" : "");
+        return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "dispersion.count is %d; must be 1 to %d%s",
+                        (int)ours->count, CPM_DISPERSION_MAX_COEFFICIENTS, pairs ? " and even (pairs)" : "");
     for (int i = 0; i < ours->count; i++)
         if (!isfinite(ours->coefficients[i]))
             return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "dispersion.coefficients[%d] is %g; must be finite", i,
                             ours->coefficients[i]);
     if (!isfinite(ours->low) || !isfinite(ours->high) || ours->low < 0.0 || ours->low > ours->high)
         return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT,
-                        "dispersion range is [%g, %g] nm; must be 0 <= low <= high (0, 0: no limit)", ours->low, ours->high);
+                        "dispersion range is [%g, %g] nm; must be 0 <= low <= high (0, 0: no limit)", ours->low,
+                        ours->high);
     if (ours->kind == CPM_DISPERSION_CONSTANT && !(ours->coefficients[0] > 0.0))
         return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "dispersion: constant n is %g; must be > 0",
                         ours->coefficients[0]);
@@ -75,11 +76,12 @@ cpm_status cpm_dispersion_check(cpm_context *context, const cpm_dispersion *d, d
         return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "wavelength is %g nm; must be finite and > 0", wavelength);
     if (d->high > 0.0 && (wavelength < d->low || wavelength > d->high))
         return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT,
-                        "wavelength is %g nm; the medium's dispersion is valid in [%g, %g] nm", wavelength, d->low, d->high);
+                        "wavelength is %g nm; the medium's dispersion is valid in [%g, %g] nm", wavelength, d->low,
+                        d->high);
     *n = cpm_dispersion_at(d, wavelength);
     if (!(*n > 0.0) || !isfinite(*n))
-        return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "dispersion gives n = %g at %g nm; must be finite and > 0", *n,
-                        wavelength);
+        return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "dispersion gives n = %g at %g nm; must be finite and > 0",
+                        *n, wavelength);
     return CPM_OK;
 }
 
@@ -87,7 +89,8 @@ cpm_status cpm_medium_scale(cpm_context *context, const cpm_medium *medium, doub
     *scale = 1.0;
     if (!medium->dispersive) {
         if (!(wavelength > 0.0) || !isfinite(wavelength))
-            return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "wavelength is %g nm; must be finite and > 0", wavelength);
+            return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "wavelength is %g nm; must be finite and > 0",
+                            wavelength);
         return CPM_OK;
     }
     double n = 1.0;

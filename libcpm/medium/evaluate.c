@@ -43,7 +43,10 @@ cpm_status cpm_medium_evaluate(cpm_context *context, const cpm_medium *medium, c
                                double wavelength, double *n, double *gradient) {
     if (!context) return CPM_ERROR_INVALID_ARGUMENT;
     if (!medium || !points || !n)
-        return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "%s is NULL", !medium ? "medium" : !points ? "points" : "n");
+        return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "%s is NULL",
+                        !medium   ? "medium"
+                        : !points ? "points"
+                                  : "n");
     double scale;
     cpm_status status = cpm_medium_scale(context, medium, wavelength, &scale);
     if (status != CPM_OK) return status;

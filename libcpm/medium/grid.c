@@ -59,7 +59,8 @@ static void fill_axis(double *table, const size_t size[3], const size_t stride[3
         for (size_t j = 0; j < size[c]; j++) {
             double *first = table + i * stride[b] + j * stride[c];
             for (size_t k = 0; k < count; k++) f[k] = first[k * stride[axis]];
-            if (cubic) prefilter(f, count, out, work);
+            if (cubic)
+                prefilter(f, count, out, work);
             else
                 for (size_t k = 0; k < wide; k++) out[k] = f[k < count ? k : count - 1];
             for (size_t k = 0; k < wide; k++) first[k * stride[axis]] = out[k];
@@ -68,14 +69,15 @@ static void fill_axis(double *table, const size_t size[3], const size_t stride[3
 
 static double sample(const cpm_grid_desc *d, const ptrdiff_t stride[3], size_t i, size_t j, size_t k) {
     double value; /* strides are the caller's: the address need not be aligned */
-    memcpy(&value, (const char *)d->values + (ptrdiff_t)i * stride[0] + (ptrdiff_t)j * stride[1] + (ptrdiff_t)k * stride[2],
+    memcpy(&value,
+           (const char *)d->values + (ptrdiff_t)i * stride[0] + (ptrdiff_t)j * stride[1] + (ptrdiff_t)k * stride[2],
            sizeof value);
     return value;
 }
 
 /* data->feature: metres over which the field changes, the largest slope over the largest change of slope a metre, at
- * least half a cell. data->kink, jump: the largest jump of slope, times a cell and itself, at the box's faces and, trilinear, at all.
- * `table` still holds the samples. */
+ * least half a cell. data->kink, jump: the largest jump of slope, times a cell and itself, at the box's faces and,
+ * trilinear, at all. `table` still holds the samples. */
 static void measure(cpm_medium_data *data, const double *table, const size_t stride[3], const double spacing[3]) {
     double steepest = 0.0, bend = 0.0, finest = INFINITY, kink = 0.0, jump = 0.0, least = INFINITY;
     const int linear = data->interpolation == CPM_FIELD_LINEAR;
@@ -112,11 +114,13 @@ static cpm_status check(cpm_context *context, const cpm_grid_desc *d) {
     size_t total = 1;
     for (int k = 0; k < 3; k++) {
         if (d->size[k] < 1 || d->size[k] > MAX_SAMPLES / total)
-            return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "size[%d] is %zu; must be >= 1, %zu samples in all at the most",
-                            k, d->size[k], MAX_SAMPLES);
+            return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT,
+                            "size[%d] is %zu; must be >= 1, %zu samples in all at the most", k, d->size[k],
+                            MAX_SAMPLES);
         total *= d->size[k];
         if (!isfinite(d->spacing[k]) || !(d->spacing[k] > 0.0))
-            return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "spacing[%d] is %g; must be finite and > 0", k, d->spacing[k]);
+            return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "spacing[%d] is %g; must be finite and > 0", k,
+                            d->spacing[k]);
     }
     return cpm_check_vector(context, "origin", d->origin);
 }
@@ -143,8 +147,9 @@ cpm_status cpm_medium_create_grid(cpm_context *context, const cpm_grid_desc *des
         wide[k] = padded(d.size[k], cubic);
         stride[k] = total;
         if (wide[k] > MAX_SAMPLES / total)
-            return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "grid of %zu x %zu x %zu samples needs more than %zu coefficients",
-                            d.size[0], d.size[1], d.size[2], MAX_SAMPLES);
+            return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT,
+                            "grid of %zu x %zu x %zu samples needs more than %zu coefficients", d.size[0], d.size[1],
+                            d.size[2], MAX_SAMPLES);
         total *= wide[k];
         if (wide[k] > longest) longest = wide[k];
     }
@@ -167,8 +172,8 @@ cpm_status cpm_medium_create_grid(cpm_context *context, const cpm_grid_desc *des
             for (size_t k = 0; k < d.size[2] && status == CPM_OK; k++) {
                 double n = sample(&d, from, i, j, k);
                 if (!isfinite(n) || !(n > 0.0))
-                    status = cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "values[%zu, %zu, %zu] is %g; must be finite and > 0",
-                                      i, j, k, n);
+                    status = cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT,
+                                      "values[%zu, %zu, %zu] is %g; must be finite and > 0", i, j, k, n);
                 m->table[i * stride[0] + j * stride[1] + k * stride[2]] = n - 1.0;
                 m->data.uniform &= n == first;
             }

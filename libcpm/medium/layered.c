@@ -21,13 +21,15 @@ static cpm_status check(cpm_context *context, const cpm_layered_desc *d) {
                         (int)d->interpolation);
     size_t least = step ? 1 : 2;
     if (d->count < least || d->count > MAX_HEIGHTS)
-        return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "count is %zu; must be %zu to %d", d->count, least, MAX_HEIGHTS);
+        return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "count is %zu; must be %zu to %d", d->count, least,
+                        MAX_HEIGHTS);
     if (!d->heights || !d->n)
         return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "%s is NULL", d->heights ? "n" : "heights");
     for (size_t i = 0; i < d->count; i++) {
         if (!isfinite(d->heights[i]) || (i && !(d->heights[i] > d->heights[i - 1])))
             return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT,
-                            "heights[%zu] is %.17g; must be finite and above heights[%zu]", i, d->heights[i], i ? i - 1 : 0);
+                            "heights[%zu] is %.17g; must be finite and above heights[%zu]", i, d->heights[i],
+                            i ? i - 1 : 0);
         if (!isfinite(d->n[i]) || !(d->n[i] > 0.0))
             return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "n[%zu] is %g; must be finite and > 0", i, d->n[i]);
     }
@@ -67,11 +69,13 @@ static void fill_records(const cpm_layered_desc *d, double *records, const doubl
     }
 }
 
-/* For each bucket the last layer that starts at or below its bottom. Returns the halvings that the fullest bucket needs. */
+/* For each bucket the last layer that starts at or below its bottom. Returns the halvings that the fullest bucket
+ * needs. */
 static int32_t fill_guide(const cpm_medium_data *data, const double *heights, double *guide) {
     size_t count = (size_t)data->size[0], most = 0, low = 0, high = 0;
     for (int32_t b = 0; b < data->size[1]; b++) {
-        double bottom = data->low + (b - GUIDE_MARGIN) / data->bucket, top = data->low + (b + 1 + GUIDE_MARGIN) / data->bucket;
+        double bottom = data->low + (b - GUIDE_MARGIN) / data->bucket,
+               top = data->low + (b + 1 + GUIDE_MARGIN) / data->bucket;
         while (low < count && heights[low] <= bottom) low++;
         while (high < count && heights[high] <= top) high++;
         if (b == data->size[1] - 1) high = count; /* also for all heights above the table */
@@ -84,8 +88,8 @@ static int32_t fill_guide(const cpm_medium_data *data, const double *heights, do
 }
 
 /* data->feature: metres over which the field changes, the largest slope over the largest change of slope a metre, at
- * least half of the thinnest layer. data->kink, jump: the largest jump of slope, times a layer and itself, at the table's
- * ends and, n^2 linear, at every height. */
+ * least half of the thinnest layer. data->kink, jump: the largest jump of slope, times a layer and itself, at the
+ * table's ends and, n^2 linear, at every height. */
 static void measure(cpm_medium_data *data, const double *h, const double *value) {
     double steepest = 0.0, bend = 0.0, thinnest = INFINITY, kink = 0.0, jump = 0.0, before = 0.0;
     const size_t count = (size_t)data->size[0];
@@ -106,8 +110,8 @@ static void measure(cpm_medium_data *data, const double *h, const double *value)
     data->jump = jump;
 }
 
-cpm_status cpm_medium_create_layered(cpm_context *context, const cpm_layered_desc *desc, const cpm_dispersion *dispersion,
-                                     cpm_medium **medium) {
+cpm_status cpm_medium_create_layered(cpm_context *context, const cpm_layered_desc *desc,
+                                     const cpm_dispersion *dispersion, cpm_medium **medium) {
     if (!medium) return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "medium is NULL");
     *medium = NULL;
     if (!context) return CPM_ERROR_INVALID_ARGUMENT;

@@ -97,7 +97,7 @@ static int emit_area(const cpm_pass *pass, const cpm_emitter *e, uint64_t index,
 static void emit_delta(const cpm_emitter *e, uint64_t index, cpm_flight *flight, double *weight) {
     const cpm_projection *p = &e->projection;
     double u = even(e, index, 0), v = even(e, index, 1);
-    double cutoff = 1.0 - cpm_cos(e->light->cutoff);
+    const double cutoff = e->cutoff;
     *weight = 1.0;
     if (p->rows) {
         double wanted = walked(e, index);
@@ -173,6 +173,7 @@ cpm_status cpm_emitters_create(const cpm_pass *pass, uint64_t photons, uint64_t 
     for (size_t i = 0; i < lights && !status; i++) {
         double mean_squared = 0.0;
         e[i].light = &scene->lights[i];
+        e[i].cutoff = 1.0 - cpm_cos(scene->lights[i].cutoff);
         e[i].weight = calloc(pass->bins, sizeof(float));
         if (!e[i].weight) status = cpm_fail(scene->context, CPM_ERROR_OUT_OF_MEMORY, "no memory for a light");
         else if (scene->lights[i].kind == CPM_LIGHT_AREA) status = prepare_area(pass, &e[i], seed, &mean_squared);

@@ -40,6 +40,7 @@ typedef struct cpm_projection {
 /* How the paths of one light start. */
 typedef struct cpm_emitter {
     const light *light;
+    double cutoff;          /* 1 - cos of its half-angle */
     uint64_t first, count;  /* its path numbers */
     float *weight;          /* bins: power of one of its paths over the scale */
     cpm_projection projection; /* no cells: all directions alike */

@@ -25,7 +25,7 @@ static void grow_box(cpm_box *box, const double *point) {
 /* The scene's own extent, or the box of everything in it grown on each side by its diagonal. */
 static void find_extent(cpm_pass *pass) {
     const cpm_scene *scene = pass->scene;
-    cpm_box box = cpm_geometry_box(scene->geometry);
+    cpm_box box = pass->box = cpm_geometry_box(scene->geometry);
     double diagonal2 = 0.0;
     for (int k = 0; k < 3; k++)
         if (box.high[k] > box.low[k]) diagonal2 += (box.high[k] - box.low[k]) * (box.high[k] - box.low[k]);

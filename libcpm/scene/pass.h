@@ -22,6 +22,7 @@ typedef struct cpm_pass {
     uint8_t *way;           /* media: cpm_way */
     double *emission;       /* lights x bins */
     cpm_box extent;
+    cpm_box box;            /* of the geometry */
     double reach;           /* a good length of one curved piece, metres: the geometry's diagonal */
     cpm_vec center;  /* of the geometry: pieces that start far from it may be as long as that is far */
     double nudge;           /* metres: far below the geometry, far above rounding */

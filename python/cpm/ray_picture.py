@@ -52,12 +52,12 @@ def ray_picture(scene: Scene, rays: int = 25, light: int | None = None) -> Figur
     axes = figure.add_subplot()
     for wavelength, colour in _colours(scene):
         for source in lights:
-            origin, directions = section.fan(source, rays)
+            origin, directions = section.fan(scene, source, rays)
             paths = trace(scene, origin, directions, wavelength=wavelength, path=_SAMPLES).paths
             axes.add_collection(LineCollection(list(section.flat(paths)), colors=colour, linewidths=0.7, alpha=0.8))
-    axes.add_collection(LineCollection(list(section.edges(scene)), colors="black", linewidths=1.6))
-    axes.autoscale()
-    axes.set_aspect("equal")
+    edges = section.edges(scene)
+    axes.add_collection(LineCollection(list(edges), colors="black", linewidths=1.6))
+    _frame(axes, np.concatenate([edges.reshape(-1, 2), *(section.flat(_source(source)[0])[None] for source in lights)]))
     axes.set_xlabel(section.label(section.across))
     axes.set_ylabel(section.label(section.up))
     axes.set_title(f"section at {np.round(section.origin, 3).tolist()} m", fontsize=9)
@@ -68,6 +68,15 @@ def _colours(scene: Scene) -> Any:
     wavelengths = resolve(scene.render_defaults).wavelengths
     needed, _ = feature_names(scene._use().features(wavelengths))
     return _SPLIT if "dispersion" in needed else ((float(np.median(wavelengths)), "tab:orange"),)
+
+
+def _frame(axes: Any, points: FloatArray) -> None:
+    """Show the scene and its lights; rays that miss everything run out of the picture."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    margin = 0.04 * max(float((high - low).max()), 1e-9)
+    axes.set_xlim(low[0] - margin, high[0] + margin)
+    axes.set_ylim(low[1] - margin, high[1] + margin)
+    axes.set_aspect("equal")
 
 
 class _Section:
@@ -89,27 +98,42 @@ class _Section:
         along = target - origin
         across = along - (along @ up) * up
         if np.linalg.norm(across) < 1e-9 * max(np.linalg.norm(along), 1e-300):  # straight down: any upright plane
-            across = np.cross(up, np.eye(3)[int(np.argmin(np.abs(up)))])
+            axis = np.eye(3)[int(np.argmin(np.abs(up)))]
+            across = axis - (axis @ up) * up
         return cls(origin, across / np.linalg.norm(across), up)
 
     def flat(self, points: FloatArray) -> FloatArray:
         """(…, 3) to (…, 2), metres in the plane (its own origin has the world's coordinates along the axes)."""
         return np.stack([points @ self.across, points @ self.up], axis=-1)
 
-    def fan(self, light: Any, count: int) -> tuple[FloatArray, FloatArray]:
-        """Origin and directions in the plane: over a spot's cone, over the full circle of a point."""
+    def fan(self, scene: Scene, light: Any, count: int) -> tuple[FloatArray, FloatArray]:
+        """Origin and directions in the plane: over a spot's cone, over what a point can reach."""
         origin, target = _source(light)
         if isinstance(light, Spot):
             middle, half = target - origin, np.radians(min(light.cutoff, 180.0))
         elif isinstance(light, Area):
             middle, half = target - origin, 0.5 * np.pi
         else:
-            middle, half = -self.up, np.pi
+            middle, half = self._towards(scene, origin)
         angle = np.arctan2(middle @ self.up, middle @ self.across)
         # Middles of equal parts: no ray along the very edge of the cone, none twice at ±180°.
         angles = angle + half * ((2.0 * np.arange(count) + 1.0) / count - 1.0)
         directions = np.cos(angles)[:, None] * self.across + np.sin(angles)[:, None] * self.up
         return np.broadcast_to(origin, directions.shape), directions
+
+    def _towards(self, scene: Scene, origin: FloatArray) -> tuple[FloatArray, float]:
+        """Middle and half-width of the angles in which the scene is seen: the circle less its widest empty part."""
+        seen = self.edges(scene).reshape(-1, 2) - self.flat(origin)
+        if not len(seen):
+            return -self.up, np.pi
+        angles = np.sort(np.arctan2(seen[:, 1], seen[:, 0]))
+        gaps = np.diff(angles, append=angles[0] + 2.0 * np.pi)
+        widest = int(np.argmax(gaps))
+        if gaps[widest] < 0.5 * np.pi:  # all around
+            return -self.up, np.pi
+        half = np.pi - 0.5 * float(gaps[widest])
+        middle = angles[widest] + gaps[widest] + half
+        return np.cos(middle) * self.across + np.sin(middle) * self.up, half
 
     def edges(self, scene: Scene) -> FloatArray:
         """Segments (K, 2, 2) in which the shapes meet the plane."""

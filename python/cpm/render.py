@@ -85,7 +85,8 @@ def render(scene: Scene, size: tuple[int, int] | None = None, photons: int | Pho
         handle = _core.render(scene=scene._use(), photon_map=None if traced is None else traced._handle,
                               width=settings.width, height=settings.height, photons=settings.photons,
                               seed=settings.seed, wavelengths=settings.wavelengths, nearest=settings.nearest,
-                              samples=settings.samples, max_radius=settings.max_radius, projection=bool(projection), edge_correction=bool(edge_correction),
+                              samples=settings.samples, max_radius=settings.max_radius, projection=bool(projection),
+                              edge_correction=bool(edge_correction),
                               batch=as_integer(batch, "batch", 0, 2**31 - 1),
                               threads=as_integer(threads, "threads", 0, 1024), progress=report)
     return Image._of(handle)

@@ -19,14 +19,27 @@ typedef struct one_ray {
 
 static cpm_rays_request request_of(const double *r, const double *d, const double *length, int32_t method) {
     static const double wavelength = 550.0;
-    return (cpm_rays_request){.struct_size = sizeof(cpm_rays_request), .count = 1, .origins = r, .directions = d,
-                              .wavelengths = &wavelength, .lengths = length, .method = method};
+    return (cpm_rays_request){.struct_size = sizeof(cpm_rays_request),
+                              .count = 1,
+                              .origins = r,
+                              .directions = d,
+                              .wavelengths = &wavelength,
+                              .lengths = length,
+                              .method = method};
 }
 static cpm_status run(cpm_context *context, const cpm_medium *m, const cpm_rays_request *q, one_ray *out) {
-    cpm_rays_result result = {.struct_size = sizeof result, .position = out->position, .direction = out->direction,
-                              .momentum = out->momentum, .length = &out->length, .optical_path = &out->path,
-                              .drift = &out->drift, .error_estimate = &out->error, .evaluations = &out->evaluations,
-                              .steps = &out->steps, .status = &out->status, .method = &out->method};
+    cpm_rays_result result = {.struct_size = sizeof result,
+                              .position = out->position,
+                              .direction = out->direction,
+                              .momentum = out->momentum,
+                              .length = &out->length,
+                              .optical_path = &out->path,
+                              .drift = &out->drift,
+                              .error_estimate = &out->error,
+                              .evaluations = &out->evaluations,
+                              .steps = &out->steps,
+                              .status = &out->status,
+                              .method = &out->method};
     return cpm_rays_trace(context, m, NULL, q, &result);
 }
 static one_ray trace(cpm_context *context, const cpm_medium *m, const double *r, const double *d, double length,
@@ -103,8 +116,10 @@ static void test_snell(void **state) {
             double there = cpm_medium_n_toward(m, 1.0, end.position, end.direction);
             double size = sqrt(end.momentum[0] * end.momentum[0] + end.momentum[1] * end.momentum[1]);
             assert_near(size, there, kind == CPM_INTERPOLATION_CUBIC ? 1e-6 : 1e-13);
-            int upward = end.direction[1] > 0, turns = start * sin(a) > n[40] + 0.05, passes = start * sin(a) < n[40] - 0.01;
-            if ((turns && upward) || (passes && !upward)) fail_msg("interpolation %d, %d degrees: ends %s", (int)kind, angle, upward ? "up" : "down");
+            int upward = end.direction[1] > 0, turns = start * sin(a) > n[40] + 0.05,
+                passes = start * sin(a) < n[40] - 0.01;
+            if ((turns && upward) || (passes && !upward))
+                fail_msg("interpolation %d, %d degrees: ends %s", (int)kind, angle, upward ? "up" : "down");
         }
         cpm_medium_release(m);
     }
@@ -116,7 +131,8 @@ static void test_reversal(void **state) {
     cpm_medium *m = NULL;
     const double g[3] = {0.03, -0.08, 0.05}, d[3] = {1, 0.5, -0.2};
     assert_ok(context, cpm_medium_create_linear(context, 1.3, g, NULL, NULL, &m));
-    for (int32_t method = CPM_METHOD_EXACT; method <= CPM_METHOD_DOPRI5; method += CPM_METHOD_DOPRI5 - CPM_METHOD_EXACT) {
+    for (int32_t method = CPM_METHOD_EXACT; method <= CPM_METHOD_DOPRI5;
+         method += CPM_METHOD_DOPRI5 - CPM_METHOD_EXACT) {
         one_ray a = trace(context, m, zero, d, 3.0, method, 1e-10);
         const double back[3] = {-a.direction[0], -a.direction[1], -a.direction[2]};
         one_ray b = trace(context, m, a.position, back, 3.0, method, 1e-10);
@@ -132,7 +148,8 @@ static void test_statuses(void **state) {
     cpm_medium *m = NULL, *bump = NULL;
     const double g[3] = {0, -1, 0}, up[3] = {0, 1, 0}, slanted[3] = {1, 1, 0}, plane[3] = {0, 0.9, 0};
     assert_ok(context, cpm_medium_create_linear_squared(context, 1.0, g, NULL, NULL, &m));
-    for (int32_t method = CPM_METHOD_EXACT; method <= CPM_METHOD_DOPRI5; method += CPM_METHOD_DOPRI5 - CPM_METHOD_EXACT) {
+    for (int32_t method = CPM_METHOD_EXACT; method <= CPM_METHOD_DOPRI5;
+         method += CPM_METHOD_DOPRI5 - CPM_METHOD_EXACT) {
         one_ray a = trace(context, m, zero, up, 3.0, method, 1e-8);
         assert_int_equal(a.status, CPM_RAY_CUTOFF);
         assert_near3(a.position, 0, 1, 0, 1e-6);
@@ -153,7 +170,10 @@ static void test_statuses(void **state) {
     }
     double n[64];
     for (int i = 0; i < 64; i++) n[i] = 1.3 + 0.1 * sin(i);
-    cpm_grid_desc grid = {.struct_size = sizeof grid, .values = n, .size = {4, 4, 4}, .spacing = {1, 1, 1},
+    cpm_grid_desc grid = {.struct_size = sizeof grid,
+                          .values = n,
+                          .size = {4, 4, 4},
+                          .spacing = {1, 1, 1},
                           .interpolation = CPM_INTERPOLATION_LINEAR};
     assert_ok(context, cpm_medium_create_grid(context, &grid, NULL, &bump));
     const double length = 3.0, inside[3] = {0.3, 0.2, 0.1};
@@ -202,8 +222,8 @@ static void test_refused(void **state) {
     q = request_of(good, along, &length, 0);
     q.rtol = 1e-15;
     assert_message(context, m, &q, CPM_ERROR_INVALID_ARGUMENT, "rtol");
-    cpm_layered_desc desc = {.struct_size = sizeof desc, .heights = heights, .n = n, .count = 2,
-                             .interpolation = CPM_INTERPOLATION_CUBIC};
+    cpm_layered_desc desc = {
+        .struct_size = sizeof desc, .heights = heights, .n = n, .count = 2, .interpolation = CPM_INTERPOLATION_CUBIC};
     assert_ok(context, cpm_medium_create_layered(context, &desc, NULL, &layers));
     q = request_of(good, along, &length, CPM_METHOD_EXACT);
     assert_message(context, layers, &q, CPM_ERROR_UNSUPPORTED, "exact");
@@ -221,12 +241,16 @@ static void test_lanes(void **state) {
     cpm_context *context = *state;
     double n[125];
     for (int i = 0; i < 125; i++) n[i] = 1.3 + 0.05 * sin(0.7 * i);
-    cpm_grid_desc grid = {.struct_size = sizeof grid, .values = n, .size = {5, 5, 5}, .spacing = {0.5, 0.5, 0.5},
-                          .origin = {-1, -1, -1}, .interpolation = CPM_INTERPOLATION_CUBIC};
+    cpm_grid_desc grid = {.struct_size = sizeof grid,
+                          .values = n,
+                          .size = {5, 5, 5},
+                          .spacing = {0.5, 0.5, 0.5},
+                          .origin = {-1, -1, -1},
+                          .interpolation = CPM_INTERPOLATION_CUBIC};
     cpm_medium *m = NULL;
     assert_ok(context, cpm_medium_create_grid(context, &grid, NULL, &m));
-    cpm_lane_control control = {.medium = &m->data, .table = m->table, .method = CPM_METHOD_DOPRI5, .rtol = 1e-9,
-                                .expected_length = 1.5};
+    cpm_lane_control control = {
+        .medium = &m->data, .table = m->table, .method = CPM_METHOD_DOPRI5, .rtol = 1e-9, .expected_length = 1.5};
     static cpm_lane_rays rays;
     memset(&rays, 0, sizeof rays);
     for (int i = 0; i < 8; i++) rays.status[i] = CPM_RAY_ARRIVED;
@@ -270,11 +294,15 @@ static void test_exact_pieces(void **state) {
     for (int kind = 0; kind < 4; kind++) {
         cpm_medium *m = NULL;
         desc.interpolation = kind == 3 ? CPM_INTERPOLATION_STEP : CPM_INTERPOLATION_LINEAR_SQUARED;
-        if (kind == 0) assert_ok(context, cpm_medium_create_linear(context, 1.3, g, NULL, NULL, &m));
-        else if (kind == 1) assert_ok(context, cpm_medium_create_linear_squared(context, 1.69, g, NULL, NULL, &m));
-        else assert_ok(context, cpm_medium_create_layered(context, &desc, NULL, &m));
+        if (kind == 0)
+            assert_ok(context, cpm_medium_create_linear(context, 1.3, g, NULL, NULL, &m));
+        else if (kind == 1)
+            assert_ok(context, cpm_medium_create_linear_squared(context, 1.69, g, NULL, NULL, &m));
+        else
+            assert_ok(context, cpm_medium_create_layered(context, &desc, NULL, &m));
         const double d[3] = {0.6, 0.64, -0.48}, start[3] = {0.1, -1.23, 0.2};
-        double r[3] = {0.1, -1.23, 0.2}, p[3], length = 0.0, evaluations = 0.0, index = cpm_medium_n_toward(m, 1.0, start, d);
+        double r[3] = {0.1, -1.23, 0.2}, p[3], length = 0.0, evaluations = 0.0,
+               index = cpm_medium_n_toward(m, 1.0, start, d);
         for (int k = 0; k < 3; k++) p[k] = index * d[k];
         cpm_piece piece;
         int pieces = 0;
@@ -288,7 +316,8 @@ static void test_exact_pieces(void **state) {
         }
         one_ray a = trace(context, m, start, d, length, CPM_METHOD_EXACT, 0.0);
         assert_near3(r, a.position[0], a.position[1], a.position[2], 2e-13);
-        assert_near3(p, a.momentum[0], a.momentum[1], a.momentum[2], kind == 3 ? 1.0 : 2e-13); /* 3: before the last face */
+        assert_near3(p, a.momentum[0], a.momentum[1], a.momentum[2],
+                     kind == 3 ? 1.0 : 2e-13); /* 3: before the last face */
         double middle[3], at = kind == 0 ? cpm_piece_length(&piece, 0.5)
                                          : piece.length0 + cpm_exact_length(piece.p0, piece.g0, 0.5 * piece.h);
         one_ray b = trace(context, m, start, d, at, CPM_METHOD_EXACT, 0.0);

@@ -2,8 +2,9 @@
  *
  * Integrated (cpm_medium_has_exact is 0, or exact is excluded): fill r, p (|p| = n(r)), scale, length, optical_path of
  * the lanes to be loaded, call cpm_lanes_start for them, then cpm_lanes_step until status is >= 0 or you have what you
- * want. After each call accepted[i] says whether lane i holds a new piece: r0.. to r.. in piece_h. Lanes never influence
- * each other: results do not depend on what is beside a ray, on the ISA or on threads. Lanes that stand still (status
+ * want. After each call accepted[i] says whether lane i holds a new piece: r0.. to r.. in piece_h. Lanes never
+ * influence each other: results do not depend on what is beside a ray, on the ISA or on threads. Lanes that stand still
+ * (status
  * >= 0) cost nothing but their place; load them anew at any time.
  *
  * Exact (cl/shared/exact.h): cpm_exact_next gives the next piece of the closed form from (r, p). Homogeneous media need
@@ -21,12 +22,12 @@
 typedef struct cpm_lane_control {
     const cpm_medium_data *medium;
     const double *table;
-    int32_t method;          /* CPM_METHOD_EULER, _RK4 (needs step) or _DOPRI5; AUTO stands for DOPRI5 */
+    int32_t method;           /* CPM_METHOD_EULER, _RK4 (needs step) or _DOPRI5; AUTO stands for DOPRI5 */
     int32_t single_precision; /* 1: float lanes */
-    double rtol, atol;       /* both as asked; rtol 0: the method's default */
-    double step, max_step;   /* metres of arc; 0: none */
-    double expected_length;  /* metres that a ray is likely to go (the scene's size); 0: rays->expected as loaded */
-    int64_t max_evaluations; /* per ray; 0: 1 000 000 */
+    double rtol, atol;        /* both as asked; rtol 0: the method's default */
+    double step, max_step;    /* metres of arc; 0: none */
+    double expected_length;   /* metres that a ray is likely to go (the scene's size); 0: rays->expected as loaded */
+    int64_t max_evaluations;  /* per ray; 0: 1 000 000 */
 } cpm_lane_control;
 
 /* For the lanes with fresh[i] != 0: fills g, n, n_start, and h where it is 0 on entry (one evaluation a ray); clears
@@ -46,13 +47,13 @@ void cpm_lane_piece(const cpm_lane_rays *rays, int lane, cpm_piece *piece);
  *                      cpm_piece *piece, double *evaluations);
  *
  * The next piece of the exact path from (r, p), at most sigma_limit long (> 0, may be infinite where the medium has
- * natural breaks; the piece may then be infinite where the path is straight to infinity: give a limit), ended earlier at
- * a natural break (layer boundary; `linear`: where the quintic would leave the catenary by 1e-13). piece->r1, p1 are the
- * start of the next piece. Snell's law at a "step" interface is applied at the start of the piece beyond it, in p (so p
- * is not const; piece->p0 is p after it): nothing else to call between pieces. Where r lies on a layer boundary, p says
- * which layer is entered; after a hit you may start from any (r, p) on the path. *evaluations grows by 1 a piece of a
- * layered medium, else by 0. Returns 0; nonzero where there is no closed form (cpm_medium_has_exact).
- * length1 is exact at the piece's end only: for the arc length inside a long parabola ask cpm_exact_length.
+ * natural breaks; the piece may then be infinite where the path is straight to infinity: give a limit), ended earlier
+ * at a natural break (layer boundary; `linear`: where the quintic would leave the catenary by 1e-13). piece->r1, p1 are
+ * the start of the next piece. Snell's law at a "step" interface is applied at the start of the piece beyond it, in p
+ * (so p is not const; piece->p0 is p after it): nothing else to call between pieces. Where r lies on a layer boundary,
+ * p says which layer is entered; after a hit you may start from any (r, p) on the path. *evaluations grows by 1 a piece
+ * of a layered medium, else by 0. Returns 0; nonzero where there is no closed form (cpm_medium_has_exact). length1 is
+ * exact at the piece's end only: for the arc length inside a long parabola ask cpm_exact_length.
  *
  *   double cpm_exact_length(const double p[3], const double g[3], double sigma);   arc length of a parabola from p, g
  */

@@ -16,7 +16,8 @@
 #endif
 #endif
 
-#define LANES(isa) {cpm_range_trace_##isa, cpm_packet_begin_##isa, cpm_packet_attempt_##isa}
+#define LANES(isa)                                                                                                     \
+    { cpm_range_trace_##isa, cpm_packet_begin_##isa, cpm_packet_attempt_##isa }
 static const cpm_lane_code codes[][2] = {
     {LANES(baseline), LANES(single_baseline)},
 #if CPM_ISA_COUNT > 1
@@ -29,7 +30,8 @@ static cpm_isa detect(void) {
     cpm_isa best = CPM_ISA_BASELINE;
 #if CPM_ISA_COUNT > 1
     __builtin_cpu_init();
-    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2")) best = CPM_ISA_V3;
+    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2"))
+        best = CPM_ISA_V3;
     if (best == CPM_ISA_V3 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
         __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512cd"))
         best = CPM_ISA_V4;
@@ -60,10 +62,14 @@ const cpm_lane_code *cpm_lane_code_for(int single_precision) { return &codes[cpm
 static cpm_step_control control_of(const cpm_lane_control *c) {
     int euler = c->method == CPM_METHOD_EULER;
     cpm_step_control s = {.method = c->method == CPM_METHOD_AUTO || c->method == CPM_METHOD_EXACT ? CPM_STEP_DOPRI5
-                                                                                                   : c->method,
-                              .rtol = c->rtol > 0.0 ? c->rtol : euler ? 1e-2 : 1e-6, .atol = c->atol, .step = c->step,
-                              .max_step = c->max_step > 0.0 ? c->max_step : CPM_INFINITE,
-                              .max_evaluations = c->max_evaluations > 0 ? (double)c->max_evaluations : 1e6};
+                                                                                                  : c->method,
+                          .rtol = c->rtol > 0.0 ? c->rtol
+                                  : euler       ? 1e-2
+                                                : 1e-6,
+                          .atol = c->atol,
+                          .step = c->step,
+                          .max_step = c->max_step > 0.0 ? c->max_step : CPM_INFINITE,
+                          .max_evaluations = c->max_evaluations > 0 ? (double)c->max_evaluations : 1e6};
     cpm_step_control_set(&s);
     return s;
 }

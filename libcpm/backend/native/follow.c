@@ -174,6 +174,40 @@ static void parabola(const cpm_medium_data *medium, double scale, const double r
     piece->length0 = piece->length1 = piece->n0 = piece->n1 = 0.0;
 }
 
+/* A parabola beyond a face of the geometry's box, on its way out and drawn no other way, meets nothing any more: what
+ * scatters off the outside of a room mostly ends here. */
+static int never_returns(const cpm_box *box, const double r[3], const double p[3], const double *g, double scale) {
+    for (int k = 0; k < 3; k++) {
+        double a = scale * g[k];
+        if ((r[k] <= box->low[k] && p[k] < 0.0 && a <= 0.0) || (r[k] >= box->high[k] && p[k] > 0.0 && a >= 0.0)) return 1;
+    }
+    return 0;
+}
+
+/* Where a parabola that starts in the geometry's box first leaves it, in sigma; infinite: it starts outside. A piece need
+ * go no further: shorter pieces have chords that stay closer to them. */
+static double leaves_box(const cpm_box *box, const double r[3], const double p[3], const double *g, double scale) {
+    double first = INFINITY;
+    for (int k = 0; k < 3; k++) {
+        double a = 0.5 * scale * g[k]; /* dp/dsigma */
+        if (!(r[k] >= box->low[k] && r[k] <= box->high[k])) return INFINITY;
+        double face = (p[k] > 0.0 ? box->high[k] : box->low[k]) - r[k], back = (p[k] > 0.0 ? box->low[k] : box->high[k]) - r[k];
+        if (a == 0.0) {
+            if (p[k] != 0.0) first = cpm_min(first, face / p[k]);
+            continue;
+        }
+        /* p t + a t^2/2 = face, the first crossing ahead; turned back before it: the face behind */
+        double d = p[k] * p[k] + 2.0 * a * face;
+        double t = 2.0 * face / (p[k] + (p[k] > 0.0 ? sqrt(d) : -sqrt(d)));
+        if (!(d >= 0.0)) {
+            double root = sqrt(p[k] * p[k] + 2.0 * a * back);
+            t = (-p[k] + (a > 0.0 ? root : -root)) / a;
+        }
+        if (t >= 0.0) first = cpm_min(first, t);
+    }
+    return first;
+}
+
 static void follow_exact(const cpm_pass *pass, const cpm_flight *flight, const cpm_follow_options *options,
                          size_t number, cpm_arrival *arrival) {
     int32_t m = cpm_region_medium(&flight->region);
@@ -188,6 +222,11 @@ static void follow_exact(const cpm_pass *pass, const cpm_flight *flight, const c
     if (!(n > 0.0)) return;
     double p[3] = {n * d[0], n * d[1], n * d[2]};
     int degree = degree_of(&medium->data);
+    if (!options && medium->data.kind == CPM_MEDIUM_LINEAR_SQUARED &&
+        never_returns(&pass->box, r, p, medium->data.axis, scale)) {
+        arrival->status = CPM_RAY_LEFT;
+        return;
+    }
     for (int i = 0; i < MAX_PIECES; i++) {
         cpm_piece piece;
         double speed = sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
@@ -196,8 +235,11 @@ static void follow_exact(const cpm_pass *pass, const cpm_flight *flight, const c
             return;
         }
         double limit = cpm_max(pass->reach, cpm_norm(cpm_sub(cpm_v(r[0], r[1], r[2]), pass->center)));
-        if (!options && medium->data.kind == CPM_MEDIUM_LINEAR_SQUARED)
-            parabola(&medium->data, scale, r, p, limit / speed, &piece);
+        if (!options && medium->data.kind == CPM_MEDIUM_LINEAR_SQUARED) {
+            double inside = leaves_box(&pass->box, r, p, medium->data.axis, scale);
+            double h = cpm_min(limit / speed, inside * (1.0 + 1e-6) + 1e-6 * pass->reach / speed);
+            parabola(&medium->data, scale, r, p, h, &piece);
+        }
         else if (cpm_exact_next(&medium->data, medium->table, scale, r, p, limit / speed, length, &piece,
                                 &arrival->evaluations))
             return;

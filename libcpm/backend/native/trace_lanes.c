@@ -25,8 +25,8 @@ void NAME(cpm_range_trace)(const cpm_step_control *c, const cpm_medium_data *m, 
     cpm_trace_range(c, m, table, plane, arrays, first, last);
 }
 
-void NAME(cpm_packet_begin)(const cpm_step_control *c, const cpm_medium_data *m, const double *table, cpm_lane_rays *rays,
-                            const int64_t *fresh) {
+void NAME(cpm_packet_begin)(const cpm_step_control *c, const cpm_medium_data *m, const double *table,
+                            cpm_lane_rays *rays, const int64_t *fresh) {
     cpm_lanes_begin(c, m, table, rays, fresh);
 }
 

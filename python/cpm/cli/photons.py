@@ -18,8 +18,8 @@ def photons(scene: options.Scene, output: options.Outputs = None, photons: optio
             exposure: options.Exposure = None, white: options.White = None, quiet: options.Quiet = False) -> None:
     """Draw the photon map as the scene's camera sees it: each photon a dot of its own spectrum."""
     outputs = options.outputs_or_default(output, scene, "_photons")
-    image = photon_picture(options.load_for_picture(scene), photons=photons, size=size, dot=dot, seed=seed, backend=backend,
-                           threads=threads, progress=not quiet)
+    image = photon_picture(options.load_for_picture(scene), photons=photons, size=size, dot=dot, seed=seed,
+                           backend=backend, threads=threads, progress=not quiet)
     save_all(image, outputs, exposure=exposure, white=white)
     if not quiet:
         print_stats(image.stats, outputs)

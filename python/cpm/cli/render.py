@@ -14,8 +14,9 @@ def render(scene: options.Scene, output: options.Outputs = None, photons: option
            quiet: options.Quiet = False) -> None:
     """Render a scene to spectral EXR and PNG."""
     outputs = options.outputs_or_default(output, scene)
-    image = render_scene(options.load_for_picture(scene), size=size, photons=photons, nearest=nearest, samples=samples, seed=seed,
-                         backend=backend, precision=precision, threads=threads, progress=not quiet)
+    image = render_scene(options.load_for_picture(scene), size=size, photons=photons, nearest=nearest,
+                         samples=samples, seed=seed, backend=backend, precision=precision, threads=threads,
+                         progress=not quiet)
     save_all(image, outputs, exposure=exposure, white=white)
     if not quiet:
         print_stats(image.stats, outputs)
