@@ -104,4 +104,4 @@ def bin_centers(low: float, high: float, bins: int) -> FloatArray:
     bins = as_integer(bins, "bins", 1, 256)
     if not 0 < low < high:
         raise ValueError(f"wavelengths from {low} to {high} nm; 0 < low < high is needed")
-    return low + (np.arange(bins) + 0.5) * ((high - low) / bins)
+    return np.asarray(low + (np.arange(bins) + 0.5) * ((high - low) / bins), dtype=np.float64)

@@ -48,7 +48,10 @@ class Camera:
         forward = np.subtract(camera.target, camera.origin)
         if not np.any(forward):
             raise ValueError(f"origin and target are both {camera.origin}; the camera has no direction")
-        if np.linalg.norm(np.cross(forward, camera.up)) <= 1e-12 * np.linalg.norm(forward) * np.linalg.norm(camera.up):
+        with np.errstate(over="ignore"):
+            parallel = (np.linalg.norm(np.cross(forward, camera.up))
+                        <= 1e-12 * np.linalg.norm(forward) * np.linalg.norm(camera.up))
+        if parallel:
             raise ValueError(f"up is {camera.up}; it must not be zero or parallel to the view")
         return camera
 

@@ -1,4 +1,4 @@
-"""Spectral bins to XYZ and RGB, with colour-science's tables; imported late, it takes a second."""
+"""Spectral bins to XYZ and RGB, with colour-science's tables."""
 from __future__ import annotations
 
 from typing import Any
@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ._arrays import FloatArray
+from ._colour import colour_science
 
 #: lm/W at the peak of V(λ).
 MAXIMUM_EFFICACY = 683.0
@@ -26,9 +27,7 @@ def xyz_weights(wavelengths: FloatArray) -> FloatArray:
 
     One bin alone stands for a flat spectrum.
     """
-    from colour import MSDS_CMFS
-
-    observer = MSDS_CMFS[_OBSERVER]
+    observer = colour_science().MSDS_CMFS[_OBSERVER]
     table = np.asarray(observer.values, dtype=float)
     positions = np.asarray(observer.wavelengths, dtype=float)
     steps = 0.5 * (table[1:] + table[:-1]) * np.diff(positions)[:, None]
@@ -47,9 +46,7 @@ def flat_luminance() -> float:
 
 def whitepoint(name: str) -> FloatArray:
     """xy of an illuminant by its colour-science name."""
-    from colour import CCS_ILLUMINANTS
-
-    illuminants = CCS_ILLUMINANTS[_OBSERVER]
+    illuminants = colour_science().CCS_ILLUMINANTS[_OBSERVER]
     if name not in illuminants:
         raise ValueError(f"white is {name!r}; an illuminant such as D65, E or A is needed")
     return np.asarray(illuminants[name], dtype=float)
@@ -57,21 +54,19 @@ def whitepoint(name: str) -> FloatArray:
 
 def linear_rgb(xyz: npt.NDArray[Any], colourspace: str, white: str | None) -> FloatArray:
     """XYZ to linear RGB; ``white`` names the illuminant that is to come out neutral."""
-    from colour import RGB_COLOURSPACES, XYZ_to_RGB
-
-    space = _space(RGB_COLOURSPACES, colourspace)
+    space = _space(colourspace)
     source = space.whitepoint if white is None else whitepoint(white)
-    return np.asarray(XYZ_to_RGB(xyz, space, source, "CAT02", apply_cctf_encoding=False), dtype=float)
+    rgb = colour_science().XYZ_to_RGB(xyz, space, source, "CAT02", apply_cctf_encoding=False)
+    return np.asarray(rgb, dtype=float)
 
 
 def encode(rgb: FloatArray, colourspace: str) -> FloatArray:
     """Linear RGB in [0, 1] to the colour space's own encoding."""
-    from colour import RGB_COLOURSPACES
-
-    return np.asarray(_space(RGB_COLOURSPACES, colourspace).cctf_encoding(rgb), dtype=float)
+    return np.asarray(_space(colourspace).cctf_encoding(rgb), dtype=float)
 
 
-def _space(spaces: Any, name: str) -> Any:
+def _space(name: str) -> Any:
+    spaces = colour_science().RGB_COLOURSPACES
     if name not in spaces:
         raise ValueError(f"colourspace is {name!r}; one of colour-science's is needed, such as sRGB, Display P3, ITU-R "
                          "BT.2020, ACEScg")

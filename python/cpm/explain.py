@@ -12,6 +12,7 @@ from .materials import Black, Mirror
 from .render import render
 from .scene import Scene
 from .settings import resolve
+from .shapes import extent_of
 from .status import feature_names
 
 __all__ = ["Explanation", "Feature", "explain"]
@@ -33,7 +34,7 @@ _MEANING = {
 }
 
 #: The trial: small, so that an explanation takes seconds, and the best of a few, since machines are noisy.
-_TRIAL = {"size": (80, 60), "photons": 50_000, "nearest": 50, "samples": 1, "seed": 0}
+_TRIAL: dict[str, Any] = {"size": (80, 60), "photons": 50_000, "nearest": 50, "samples": 1, "seed": 0}
 _REPEATS = 3
 
 
@@ -131,8 +132,9 @@ def _measured(scene: Scene) -> tuple[dict[str, Any], dict[str, float]]:
     A feature's cost comes from the variant of the scene that changes it and the least else. Trials take turns, so that
     a busy moment of the machine does not fall on one of them alone.
     """
-    variants = [(scene, {})] + [(made, {}) for made in (make(scene) for make in _VARIANTS) if made is not None]
-    variants.append((scene, {"projection": False}))
+    made = (make(scene) for make in _VARIANTS)
+    variants: list[tuple[Scene, dict[str, Any]]] = [(scene, {}), *((one, {}) for one in made if one is not None),
+                                                    (scene, {"projection": False})]
     best: list[dict[str, Any]] = [{} for _ in variants]
     for _ in range(_REPEATS):
         for i, (variant, options) in enumerate(variants):
@@ -154,8 +156,7 @@ def _measured(scene: Scene) -> tuple[dict[str, Any], dict[str, float]]:
 
 def _small_thing(scene: Scene) -> tuple[Any, float]:
     """Centre and radius of something too small to matter, in the middle of the scene."""
-    corners = [shape.extent for shape in scene.shapes] or [(np.zeros(3), np.ones(3))]
-    low, high = np.min([c[0] for c in corners], axis=0), np.max([c[1] for c in corners], axis=0)
+    low, high = extent_of(scene.shapes)
     return 0.5 * (low + high), 1e-3 * float(np.linalg.norm(high - low))
 
 

@@ -9,6 +9,7 @@ from . import _data
 __all__ = ["names", "root", "source"]
 
 _INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"')
+_GUARD = re.compile(r"^#ifndef (\w+)\n#define \1$", re.MULTILINE)
 
 
 def root() -> Path:
@@ -32,7 +33,8 @@ def source(name: str | None = None) -> str:
     Returns
     -------
     str
-        For ``pyopencl.Program(context, cpm.kernels.source()).build(options=["-cl-std=CL1.2"])``.
+        For ``pyopencl.Program(context, cpm.kernels.source()).build(options=["-cl-std=CL1.2"])``; ``-DCPM_WIDTH=8``
+        traces eight rays side by side, ``-DCPM_SINGLE=1`` in single precision.
     """
     if name is not None and name not in names():
         raise ValueError(f"kernel is {name!r}; {', '.join(names())} are allowed")
@@ -42,10 +44,12 @@ def source(name: str | None = None) -> str:
 
 
 def _expanded(path: Path, seen: set[Path]) -> str:
-    """A file with its includes in place, each once (their guards would drop the second)."""
-    seen.add(path)
+    """A file with its includes in place; those with a guard once, since it would drop the second."""
+    text = path.read_text(encoding="utf-8")
+    if _GUARD.search(text):
+        seen.add(path)
     lines = [f"/* {path.relative_to(root())} */\n"]
-    for line in path.read_text(encoding="utf-8").splitlines(keepends=True):
+    for line in text.splitlines(keepends=True):
         match = _INCLUDE.match(line)
         if match is None:
             lines.append(line)

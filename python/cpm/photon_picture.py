@@ -10,6 +10,7 @@ from .image import Image
 from .photons import trace_photons
 from .render import render
 from .scene import Scene
+from .shapes import extent_of
 
 __all__ = ["photon_picture"]
 
@@ -49,8 +50,7 @@ def photon_picture(scene: Scene, photons: int | None = None, size: tuple[int, in
     Image
     """
     if dot is None:
-        corners = [shape.extent for shape in scene.shapes] or [(np.zeros(3), np.ones(3))]
-        low, high = np.min([c[0] for c in corners], axis=0), np.max([c[1] for c in corners], axis=0)
+        low, high = extent_of(scene.shapes)
         dot = _DOT * float(np.linalg.norm(high - low))
     options: dict[str, Any] = {"seed": seed, "backend": backend, "threads": threads, "progress": progress}
     traced = trace_photons(scene, DEFAULT_PHOTONS if photons is None else photons, **options)

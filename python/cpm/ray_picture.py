@@ -10,6 +10,7 @@ from .lights import Area, Spot
 from .rays import trace
 from .scene import Scene
 from .settings import resolve
+from .shapes import extent_of
 from .status import feature_names
 
 if TYPE_CHECKING:
@@ -54,6 +55,7 @@ def ray_picture(scene: Scene, rays: int = 25, light: int | None = None) -> Figur
         for source in lights:
             origin, directions = section.fan(scene, source, rays)
             paths = trace(scene, origin, directions, wavelength=wavelength, path=_SAMPLES).paths
+            assert paths is not None
             axes.add_collection(LineCollection(list(section.flat(paths)), colors=colour, linewidths=0.7, alpha=0.8))
     edges = section.edges(scene)
     axes.add_collection(LineCollection(list(edges), colors="black", linewidths=1.6))
@@ -91,13 +93,12 @@ class _Section:
         """Through the light and its target (or the scene's middle), upright."""
         origin, target = _source(light)
         if target is None:
-            corners = [shape.extent for shape in scene.shapes] or [(origin, origin)]
-            target = 0.5 * (np.min([c[0] for c in corners], axis=0) + np.max([c[1] for c in corners], axis=0))
+            target = 0.5 * np.add(*extent_of(scene.shapes))
         up = np.array(scene.camera.up if scene.camera is not None else (0.0, 1.0, 0.0), dtype=float)
         up /= np.linalg.norm(up)
-        along = target - origin
-        across = along - (along @ up) * up
-        if np.linalg.norm(across) < 1e-9 * max(np.linalg.norm(along), 1e-300):  # straight down: any upright plane
+        along = np.subtract(target, origin)
+        across: FloatArray = along - (along @ up) * up
+        if np.linalg.norm(across) < 1e-9 * max(float(np.linalg.norm(along)), 1e-300):  # straight down: any upright plane
             axis = np.eye(3)[int(np.argmin(np.abs(up)))]
             across = axis - (axis @ up) * up
         return cls(origin, across / np.linalg.norm(across), up)
@@ -109,10 +110,8 @@ class _Section:
     def fan(self, scene: Scene, light: Any, count: int) -> tuple[FloatArray, FloatArray]:
         """Origin and directions in the plane: over a spot's cone, over what a point can reach."""
         origin, target = _source(light)
-        if isinstance(light, Spot):
-            middle, half = target - origin, np.radians(min(light.cutoff, 180.0))
-        elif isinstance(light, Area):
-            middle, half = target - origin, 0.5 * np.pi
+        if target is not None:
+            middle, half = target - origin, np.radians(light.cutoff) if isinstance(light, Spot) else 0.5 * np.pi
         else:
             middle, half = self._towards(scene, origin)
         angle = np.arctan2(middle @ self.up, middle @ self.across)

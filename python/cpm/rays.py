@@ -137,10 +137,10 @@ def trace(medium_or_scene: Medium | Scene | Any, origins: npt.ArrayLike, directi
             raise ValueError(f"origins has shape {starts.shape} and directions {aims.shape}; they must agree")
         count = max(len(starts), len(aims))
         starts, aims = (np.ascontiguousarray(np.broadcast_to(rows, (count, 3))) for rows in (starts, aims))
-    in_scene = isinstance(medium_or_scene, Scene)
+    scene = medium_or_scene if isinstance(medium_or_scene, Scene) else None
     if length is not None and until is not None:
         raise ValueError("both length and until are given; one of them is allowed")
-    if length is None and until is None and not in_scene:
+    if length is None and until is None and scene is None:
         raise ValueError("neither length nor until is given; a ray in a medium needs one of them")
     plane = None if until is None else _as_plane(until)
     check_backend(backend)
@@ -151,8 +151,8 @@ def trace(medium_or_scene: Medium | Scene | Any, origins: npt.ArrayLike, directi
 
     with reporting(progress) as report:
         arrays = _core.trace(
-            medium=None if in_scene else as_medium(medium_or_scene)._handle,
-            scene=medium_or_scene._use() if in_scene else None,
+            medium=None if scene is not None else as_medium(medium_or_scene)._handle,
+            scene=None if scene is None else scene._use(),
             origins=starts,
             directions=aims,
             wavelengths=per_ray(wavelength, "wavelength", len(starts)),

@@ -62,7 +62,7 @@ class Scene:
         self._medium = as_medium(1.0 if medium is None else medium)
         self._extent = _as_extent(extent)
         self._camera: Camera | None = None
-        self._integrator = {
+        self._integrator: dict[str, Any] = {
             "method": method_code(method),
             "exclude": exclusion_bits(exclude),
             "rtol": 0.0 if rtol is None else as_number(rtol, "rtol"),

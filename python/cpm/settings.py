@@ -86,10 +86,11 @@ def resolve(defaults: RenderSettings, **asked: Any) -> Resolved:
     for field in fields(RenderSettings):
         choices = (asked.get(field.name), getattr(defaults, field.name), getattr(_DEFAULTS, field.name))
         values[field.name] = next((choice for choice in choices if choice is not None), None)
+    size: Any = values["size"]
     try:
-        width, height = values["size"]
+        width, height = size
     except (TypeError, ValueError):
-        raise ValueError(f"size is {values['size']!r}; (width, height) is needed") from None
+        raise ValueError(f"size is {size!r}; (width, height) is needed") from None
     return Resolved(
         width=as_integer(width, "size[0]", 1, 65536),
         height=as_integer(height, "size[1]", 1, 65536),

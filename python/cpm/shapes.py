@@ -1,6 +1,7 @@
 """What ``Scene.add_mesh`` and ``Scene.add_sphere`` return."""
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -44,6 +45,15 @@ class Shape:
     def extent(self) -> tuple[FloatArray, FloatArray]:
         """Lowest and highest corner of its box, metres."""
         if self.vertices is None:
+            assert self.center is not None and self.radius is not None
             return np.subtract(self.center, self.radius), np.add(self.center, self.radius)
         used = self.vertices[np.unique(self.faces)] if self.faces is not None and self.faces.size else self.vertices
         return used.min(axis=0), used.max(axis=0)
+
+
+def extent_of(shapes: Sequence[Shape]) -> tuple[FloatArray, FloatArray]:
+    """Lowest and highest corner of the box of all; the unit box where there are none."""
+    if not shapes:
+        return np.zeros(3), np.ones(3)
+    lows, highs = zip(*(shape.extent for shape in shapes), strict=True)
+    return np.min(lows, axis=0), np.max(highs, axis=0)

@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from . import _core, _data
 from ._arrays import FloatArray, as_array, as_number
+from ._colour import colour_science
 
 __all__ = ["Spectrum", "SpectrumLike", "as_spectrum", "names"]
 
@@ -121,12 +122,11 @@ def named(name: str, argument: str = "spectrum") -> Spectrum:
             grid = entry["wavelengths"]
             return Spectrum(np.arange(grid["first"], grid["last"] + grid["step"], grid["step"], dtype=float),
                             entry["values"], name)
-    from colour import SDS_ILLUMINANTS
-
-    if name not in SDS_ILLUMINANTS:
+    illuminants = colour_science().SDS_ILLUMINANTS
+    if name not in illuminants:
         raise ValueError(f"{argument} is {name!r}; {', '.join(names())} or an illuminant such as D65, A, E, FL2 is "
                          "allowed")
-    table = SDS_ILLUMINANTS[name]
+    table = illuminants[name]
     values = np.asarray(table.values, dtype=float)
     return Spectrum(table.wavelengths, values / np.interp(NORMAL_WAVELENGTH, table.wavelengths, values), name)
 

@@ -172,6 +172,7 @@ def test_flat_spectrum_is_the_equal_energy_white():
     assert z == pytest.approx(y, rel=1e-3)
 
 
+@pytest.mark.filterwarnings("ignore:.*Aligning")  # colour-science says that it cuts its table to ours
 def test_colour_agrees_with_colour_science():
     import colour
 

@@ -174,14 +174,31 @@ static void parabola(const cpm_medium_data *medium, double scale, const double r
     piece->length0 = piece->length1 = piece->n0 = piece->n1 = 0.0;
 }
 
-/* A parabola beyond a face of the geometry's box, on its way out and drawn no other way, meets nothing any more: what
- * scatters off the outside of a room mostly ends here. */
-static int never_returns(const cpm_box *box, const double r[3], const double p[3], const double *g, double scale) {
+/* Beyond a face of the geometry's box, on its way out and drawn no other way, a ray meets nothing any more: what scatters
+ * off the outside of a room mostly ends here, at no cost. The gradient has one direction in linear media, and one axis in
+ * layers: across it momentum is constant. */
+static int never_returns(const cpm_pass *pass, const cpm_flight *flight, int32_t medium) {
+    const cpm_medium_data *data = &pass->scene->media[medium].medium->data;
+    const double r[3] = {flight->position.x, flight->position.y, flight->position.z};
+    const double d[3] = {flight->direction.x, flight->direction.y, flight->direction.z};
+    const cpm_box *box = &pass->box;
+    if (data->kind == CPM_MEDIUM_GRID) return 0;
     for (int k = 0; k < 3; k++) {
-        double a = scale * g[k];
-        if ((r[k] <= box->low[k] && p[k] < 0.0 && a <= 0.0) || (r[k] >= box->high[k] && p[k] > 0.0 && a >= 0.0)) return 1;
+        double a = data->axis[k]; /* the scale is positive: it changes no sign */
+        if (data->kind == CPM_MEDIUM_LAYERED && a != 0.0) continue;
+        if ((r[k] <= box->low[k] && d[k] < 0.0 && a <= 0.0) || (r[k] >= box->high[k] && d[k] > 0.0 && a >= 0.0)) return 1;
     }
     return 0;
+}
+
+/* Refractivity may be scaled by a negative factor only where dispersion crosses 1; then nothing is cut short. */
+static int has_left(const cpm_pass *pass, const cpm_flight *flight, int32_t medium, const cpm_follow_options *options,
+                    cpm_arrival *arrival) {
+    int32_t bin = flight->bin < 0 ? pass->middle : flight->bin;
+    if (options || !(pass->scale[(size_t)medium * pass->bins + (size_t)bin] > 0.0)) return 0;
+    if (!never_returns(pass, flight, medium)) return 0;
+    arrival->status = CPM_RAY_LEFT;
+    return 1;
 }
 
 /* Where a parabola that starts in the geometry's box first leaves it, in sigma; infinite: it starts outside. A piece need
@@ -208,6 +225,17 @@ static double leaves_box(const cpm_box *box, const double r[3], const double p[3
     return first;
 }
 
+/* sigma at which a parabola's |p| = n falls to 1e-6 of what it was: a plasma's cut-off, met at normal incidence only;
+ * infinite: never. */
+static double cut_off(const cpm_piece *piece, double n) {
+    const double *p = piece->p0, *g = piece->g0;
+    double pg = p[0] * g[0] + p[1] * g[1] + p[2] * g[2], gg = g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
+    double pp = p[0] * p[0] + p[1] * p[1] + p[2] * p[2], least = 1e-6 * n;
+    if (!(pg < 0.0)) return INFINITY;
+    double across = pp - pg * pg / gg; /* the least |p|^2, at sigma = -pg/gg */
+    return across < least * least ? -pg / gg - sqrt((least * least - across) / gg) : INFINITY;
+}
+
 static void follow_exact(const cpm_pass *pass, const cpm_flight *flight, const cpm_follow_options *options,
                          size_t number, cpm_arrival *arrival) {
     int32_t m = cpm_region_medium(&flight->region);
@@ -222,11 +250,7 @@ static void follow_exact(const cpm_pass *pass, const cpm_flight *flight, const c
     if (!(n > 0.0)) return;
     double p[3] = {n * d[0], n * d[1], n * d[2]};
     int degree = degree_of(&medium->data);
-    if (!options && medium->data.kind == CPM_MEDIUM_LINEAR_SQUARED &&
-        never_returns(&pass->box, r, p, medium->data.axis, scale)) {
-        arrival->status = CPM_RAY_LEFT;
-        return;
-    }
+    if (has_left(pass, flight, m, options, arrival)) return;
     for (int i = 0; i < MAX_PIECES; i++) {
         cpm_piece piece;
         double speed = sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
@@ -243,6 +267,9 @@ static void follow_exact(const cpm_pass *pass, const cpm_flight *flight, const c
         else if (cpm_exact_next(&medium->data, medium->table, scale, r, p, limit / speed, length, &piece,
                                 &arrival->evaluations))
             return;
+        double turn = degree == 2 ? cut_off(&piece, n) : INFINITY;
+        if (turn < piece.h) /* again, no further than there */
+            cpm_exact_next(&medium->data, medium->table, scale, r, p, turn, length, &piece, &arrival->evaluations);
         cpm_curve curve = cpm_curve_from_piece(&piece, degree);
         double theta = end_of_piece(pass, flight, &curve, arrival);
         arrival->steps += 1.0;
@@ -251,6 +278,11 @@ static void follow_exact(const cpm_pass *pass, const cpm_flight *flight, const c
             if (options) add_length(arrival, &piece, degree, theta);
             const double e[3] = {arrival->hit.position.x, arrival->hit.position.y, arrival->hit.position.z};
             arrival->n = degree == 1 ? piece.n0 : cpm_medium_n(medium, scale, e);
+            return;
+        }
+        if (turn <= piece.h) {
+            arrival->status = CPM_RAY_CUTOFF;
+            arrival->hit.position = cpm_v(piece.r1[0], piece.r1[1], piece.r1[2]);
             return;
         }
         memcpy(r, piece.r1, sizeof r);
@@ -278,8 +310,13 @@ typedef struct lane_queue {
 
 /* The next flight that starts in the queue's medium. */
 static size_t next_flight(lane_queue *q) {
-    while (q->next < q->count && cpm_region_medium(&q->flights[q->next].region) != q->medium) q->next++;
-    return q->next < q->count ? q->next++ : q->count;
+    for (; q->next < q->count; q->next++) {
+        const cpm_flight *flight = &q->flights[q->next];
+        if (cpm_region_medium(&flight->region) != q->medium) continue;
+        begin(flight, &q->arrivals[q->next]);
+        if (!has_left(q->pass, flight, q->medium, q->options, &q->arrivals[q->next])) return q->next++;
+    }
+    return q->count;
 }
 
 static void load_lane(lane_queue *q, int lane, size_t which) {
@@ -292,7 +329,6 @@ static void load_lane(lane_queue *q, int lane, size_t which) {
     const double d[3] = {flight->direction.x, flight->direction.y, flight->direction.z};
     double n = cpm_medium_n(medium, scale, r);
     q->owner[lane] = which;
-    begin(flight, &q->arrivals[which]);
     for (int k = 0; k < 3; k++) rays->r[k][lane] = r[k], rays->p[k][lane] = n * d[k];
     rays->scale[lane] = scale;
     rays->h[lane] = 0.0;
@@ -358,9 +394,11 @@ static void follow_integrated(const cpm_pass *pass, const cpm_flight *flights, s
                                    .max_evaluations = options ? options->max_evaluations : 0};
     for (int lane = 0; lane < CPM_LANES; lane++) q.owner[lane] = count, q.rays.status[lane] = CPM_RAY_ARRIVED;
     for (;;) {
-        int64_t fresh[CPM_LANES] = {0}, any = 0, going = 0;
+        /* starting lanes costs a whole packet however few they are: not for less than half of them */
+        int64_t fresh[CPM_LANES] = {0}, any = 0, going = 0, idle = 0;
+        for (int lane = 0; lane < CPM_LANES; lane++) idle += q.owner[lane] == count;
         for (int lane = 0; lane < CPM_LANES; lane++) {
-            if (q.owner[lane] == count) {
+            if (q.owner[lane] == count && idle >= CPM_LANES / 2) {
                 size_t which = next_flight(&q);
                 if (which < count) {
                     load_lane(&q, lane, which);

@@ -17,7 +17,7 @@ for command in (render.render, photons.photons, rays.rays, explain.explain, benc
     app.command()(command)
 
 #: What the command line parser raises for wrong usage; its home differs between versions of typer.
-_UsageError = typer.BadParameter.__bases__[0]
+_UsageError: type[Exception] = typer.BadParameter.__bases__[0]
 
 
 def run(arguments: Sequence[str]) -> int:
@@ -31,7 +31,7 @@ def run(arguments: Sequence[str]) -> int:
     except (KeyboardInterrupt, typer.Abort):
         return _say("interrupted", INTERRUPTED)
     except _UsageError as error:
-        message = error.format_message()
+        message: str = error.format_message()  # type: ignore[attr-defined]
         return _say(message, BAD_INPUT) if message else BAD_INPUT
     except (ValueError, TypeError, FileNotFoundError) as error:
         return _say(_one_line(error), BAD_INPUT)

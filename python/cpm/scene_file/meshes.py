@@ -22,7 +22,7 @@ def quads(table: QuadsTable) -> tuple[FloatArray, np.ndarray]:
 
 
 def load_mesh(path: Path, smooth: bool) -> tuple[FloatArray, np.ndarray, FloatArray | None]:
-    """Vertices, faces and, when ``smooth``, shading normals of a mesh file, as the file has them."""
+    """Vertices and faces of a mesh file and, when ``smooth``, shading normals."""
     if path.suffix.lower() not in SUFFIXES:
         raise ValueError(f"suffix '{path.suffix}' ({', '.join(SUFFIXES)} are allowed)")
     if not path.is_file():
@@ -35,10 +35,32 @@ def load_mesh(path: Path, smooth: bool) -> tuple[FloatArray, np.ndarray, FloatAr
         raise ValueError(f"not a mesh that trimesh can read ({error})") from None
     if not len(mesh.faces):
         raise ValueError("holds no triangles")
-    if smooth:
-        mesh.merge_vertices(merge_tex=True, merge_norm=True)
-    normals = np.array(mesh.vertex_normals, dtype=float) if smooth else None
-    return np.array(mesh.vertices, dtype=float), np.array(mesh.faces), normals
+    vertices, faces = np.array(mesh.vertices, dtype=float), np.array(mesh.faces)
+    return vertices, faces, vertex_normals(vertices, faces) if smooth else None
+
+
+def vertex_normals(vertices: FloatArray, faces: np.ndarray) -> FloatArray:
+    """Unit normals (V, 3): at each place the sum over its corners of face normal × angle (Thürmer and Wüthrich 1998).
+
+    Corners at one place share a normal, whether or not the file has them as one vertex.
+    """
+    _, place = np.unique(vertices, axis=0, return_inverse=True)
+    place = place.reshape(-1)
+    corners = vertices[faces]
+    edges = _unit(np.roll(corners, -1, axis=1) - corners)
+    angles = np.arccos(np.clip(-np.einsum("fkc,fkc->fk", edges, np.roll(edges, 1, axis=1)), -1.0, 1.0))
+    face_normals = _unit(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
+    weighted = angles[..., None] * face_normals[:, None]
+    sums = np.zeros((len(vertices), 3))
+    np.add.at(sums, place[faces], weighted)
+    normals = _unit(sums)[place]
+    # A vertex of no face, or between faces that cancel: anything unit will do.
+    return np.where(np.any(normals, axis=1, keepdims=True), normals, (0.0, 1.0, 0.0))
+
+
+def _unit(vectors: FloatArray) -> FloatArray:
+    lengths = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return np.divide(vectors, lengths, out=np.zeros_like(vectors), where=lengths > 0)
 
 
 def transformed(vertices: FloatArray, normals: FloatArray | None,

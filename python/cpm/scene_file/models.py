@@ -47,12 +47,13 @@ def _kind(value: Any) -> str | None:
     return "<number>" if isinstance(value, (int, float)) and not isinstance(value, bool) else None
 
 
-def _number_name_or(table: Any, what: str) -> Any:
-    """A union of a number, a name and a table, whose errors are those of the branch that was meant."""
-    kinds = Discriminator(_kind, custom_error_type="kind", custom_error_message=f"must be {what}")
-    members = (Annotated[Number, Tag("<number>")] | Annotated[Text, Tag("<name>")]
-               | Annotated[table, Tag("<table>")])
-    return Annotated[members, kinds]
+def _meant(what: str) -> Discriminator:
+    """Which of number, name and table was meant, so that errors are those of that branch."""
+    return Discriminator(_kind, custom_error_type="kind", custom_error_message=f"must be {what}")
+
+
+ANumber = Annotated[Number, Tag("<number>")]
+AName = Annotated[Text, Tag("<name>")]
 
 
 def _exactly_one(table: Table, *names: str) -> None:
@@ -80,7 +81,8 @@ class SpectrumTable(Table):
         return self
 
 
-Spectrum = _number_name_or(SpectrumTable, "a number, a name or a table of name, wavelengths and values, or file")
+Spectrum = Annotated[ANumber | AName | Annotated[SpectrumTable, Tag("<table>")],
+                     _meant("a number, a name or a table of name, wavelengths and values, or file")]
 
 
 # Dispersion and media.
@@ -112,7 +114,8 @@ class DispersionTable(Table):
         return self
 
 
-Index = _number_name_or(DispersionTable, "a number, a catalogue name or a dispersion")
+Index = Annotated[ANumber | AName | Annotated[DispersionTable, Tag("<table>")],
+                  _meant("a number, a catalogue name or a dispersion")]
 
 
 class BoxTable(Table):
@@ -208,14 +211,15 @@ class BlackTable(Table):
 
 class DielectricTable(Table):
     type: Literal["dielectric"]
-    interior: _number_name_or(AnyMedium, "a number, a catalogue name or a medium")  # type: ignore[valid-type]
+    interior: Annotated[ANumber | AName | Annotated[AnyMedium, Tag("<table>")],
+                        _meant("a number, a catalogue name or a medium")]
 
 
 AnyMaterial = Annotated[DiffuseTable | MirrorTable | BlackTable | DielectricTable, Field(discriminator="type")]
 
 
 def _material_kind(value: Any) -> str | None:
-    return {str: "<name>", dict: "<table>"}.get(type(value))
+    return "<name>" if isinstance(value, str) else "<table>" if isinstance(value, dict) else None
 
 
 MaterialRef = Annotated[
@@ -300,7 +304,7 @@ class BinsTable(Table):
 
 
 def _wavelengths_kind(value: Any) -> str | None:
-    return {list: "<list>", dict: "<table>"}.get(type(value))
+    return "<list>" if isinstance(value, list) else "<table>" if isinstance(value, dict) else None
 
 
 Wavelengths = Annotated[
