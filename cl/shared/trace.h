@@ -87,7 +87,8 @@ CPM_INLINE void cpm_trace_exact(const cpm_medium_data *m, CPM_GLOBAL const doubl
     }
     goal.length = start.length;
     samples.count = arrays->samples, samples.next = 0;
-    samples.position = arrays->positions + 3 * arrays->samples * ray;
+    samples.position = arrays->positions;
+    if (arrays->samples) samples.position += 3 * arrays->samples * ray; /* no offset to NULL */
     samples.step = samples.count > 1 ? arrays->ends[ray].length / (double)(samples.count - 1) : 0.0;
     cpm_exact_trace(m, table, start.scale, start.r, p, &goal, &samples, &end);
     for (; samples.next < samples.count; samples.next++)
@@ -126,7 +127,8 @@ CPM_INLINE void cpm_trace_range(const cpm_step_control *c, const cpm_medium_data
                 cpm_load_lane(&rays, i, &start, plane);
                 length[i] = start.length, longest[i] = start.max_step;
                 samples[i].count = arrays->samples, samples[i].next = 0;
-                samples[i].position = arrays->positions + 3 * arrays->samples * first;
+                samples[i].position = arrays->positions;
+                if (arrays->samples) samples[i].position += 3 * arrays->samples * first;
                 samples[i].step =
                     arrays->samples > 1 ? arrays->ends[first].length / (double)(arrays->samples - 1) : 0.0;
                 owner[i] = first++;

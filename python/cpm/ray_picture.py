@@ -98,7 +98,7 @@ class _Section:
         up /= np.linalg.norm(up)
         along = np.subtract(target, origin)
         across: FloatArray = along - (along @ up) * up
-        if np.linalg.norm(across) < 1e-9 * max(float(np.linalg.norm(along)), 1e-300):  # straight down: any upright plane
+        if np.linalg.norm(across) < 1e-9 * max(float(np.linalg.norm(along)), 1e-300):  # straight down
             axis = np.eye(3)[int(np.argmin(np.abs(up)))]
             across = axis - (axis @ up) * up
         return cls(origin, across / np.linalg.norm(across), up)
