@@ -84,10 +84,11 @@ static int region_behind(const cpm_pass *pass, const cpm_flight *flight, const c
 int32_t cpm_medium_behind(const cpm_pass *pass, const cpm_flight *flight, const cpm_arrival *arrival) {
     cpm_region region;
     return region_behind(pass, flight, arrival, &region) ? cpm_region_medium(&region)
-                                                                 : cpm_region_medium(&flight->region);
+                                                         : cpm_region_medium(&flight->region);
 }
 
-int cpm_pass_boundary(const cpm_pass *pass, const cpm_flight *flight, const cpm_arrival *arrival, cpm_passage *passage) {
+int cpm_pass_boundary(const cpm_pass *pass, const cpm_flight *flight, const cpm_arrival *arrival,
+                      cpm_passage *passage) {
     cpm_vec geometric = cpm_geometric_normal(pass->scene, &arrival->hit);
     cpm_region region;
     if (!region_behind(pass, flight, arrival, &region)) return 0;

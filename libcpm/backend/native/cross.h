@@ -5,12 +5,12 @@
 
 #define CPM_EQUAL_INDEX 1e-9 /* a jump of n below this is none */
 
-#define CPM_COINCIDE 1e-11    /* of the scene: surfaces closer than this along a ray are one */
+#define CPM_COINCIDE 1e-11 /* of the scene: surfaces closer than this along a ray are one */
 
 typedef struct cpm_passage {
-    int32_t jumps;           /* n jumps: Snell and Fresnel; else `transmitted` goes straight on */
-    int32_t total;           /* total reflection: there is no `transmitted` */
-    double reflectance;      /* Fresnel, 0 without a jump */
+    int32_t jumps;      /* n jumps: Snell and Fresnel; else `transmitted` goes straight on */
+    int32_t total;      /* total reflection: there is no `transmitted` */
+    double reflectance; /* Fresnel, 0 without a jump */
     cpm_flight reflected, transmitted;
 } cpm_passage;
 

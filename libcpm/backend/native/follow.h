@@ -8,21 +8,21 @@ typedef struct cpm_flight { /* where a ray starts */
     cpm_vec position;
     cpm_vec direction; /* unit */
     cpm_region region;
-    int32_t left;      /* primitive that it starts on, -1: none */
-    int32_t bin;       /* its wavelength; -1: the bundle */
-    int32_t exact;     /* starts near an edge */
-    int32_t crossing;  /* starts on a boundary that it has just passed: coincident surfaces still count */
+    int32_t left;     /* primitive that it starts on, -1: none */
+    int32_t bin;      /* its wavelength; -1: the bundle */
+    int32_t exact;    /* starts near an edge */
+    int32_t crossing; /* starts on a boundary that it has just passed: coincident surfaces still count */
 } cpm_flight;
 
-typedef struct cpm_arrival { /* where it ends */
-    int32_t status;        /* CPM_RAY_HIT, _LEFT, or why not */
-    cpm_hit hit;           /* position is where it ended, whatever the status */
-    cpm_vec direction;     /* unit, of travel */
-    double n;              /* index there, on the side that it comes from */
+typedef struct cpm_arrival {     /* where it ends */
+    int32_t status;              /* CPM_RAY_HIT, _LEFT, or why not */
+    cpm_hit hit;                 /* position is where it ended, whatever the status */
+    cpm_vec direction;           /* unit, of travel */
+    double n;                    /* index there, on the side that it comes from */
     double length, optical_path; /* with options only */
     double drift, error;
     double evaluations, steps, rejected;
-    int32_t method;        /* cpm_method that ran */
+    int32_t method; /* cpm_method that ran */
 } cpm_arrival;
 
 /* A piece of the path as it is found, for those who draw it; length0, length1 count from the flight's start. */
