@@ -47,10 +47,21 @@ CPM_INLINE cpm_u32 cpm_owen_scramble(cpm_u32 x, cpm_u32 seed) {
     return cpm_reverse_bits(x);
 }
 
+/* The second dimension's matrix is Pascal's triangle modulo 2: column k has row j where the bits of j are among those of
+ * k (Lucas). So the product is a sum over supersets, five steps for 32 bits; the sequence's bits come out reversed. */
+CPM_INLINE cpm_u32 cpm_pascal(cpm_u32 x) {
+    x ^= (x >> 1) & 0x55555555u;
+    x ^= (x >> 2) & 0x33333333u;
+    x ^= (x >> 4) & 0x0f0f0f0fu;
+    x ^= (x >> 8) & 0x00ff00ffu;
+    return x ^ ((x >> 16) & 0x0000ffffu);
+}
+
 /* Point `index` in one dimension, as 32 bits of a fraction. */
 CPM_INLINE cpm_u32 cpm_sobol(cpm_u32 index, int dimension, cpm_u32 seed) {
     cpm_u32 x = 0;
     if (dimension == 0) return cpm_owen_scramble(cpm_reverse_bits(index), seed); /* van der Corput */
+    if (dimension == 1) return cpm_owen_scramble(cpm_reverse_bits(cpm_pascal(index)), seed);
     for (int bit = 0; index; bit++, index >>= 1)
         if (index & 1u) x ^= cpm_sobol_directions[dimension][bit];
     return cpm_owen_scramble(x, seed);

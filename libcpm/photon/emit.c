@@ -101,12 +101,9 @@ static void emit_delta(const cpm_emitter *e, uint64_t index, cpm_flight *flight,
     *weight = 1.0;
     if (p->rows) {
         double wanted = walked(e, index);
-        size_t low = 0, high = (size_t)p->rows * (size_t)p->columns;
-        while (high - low > 1) {
-            size_t middle = (low + high) / 2;
-            if (p->cumulative[middle] <= wanted) low = middle;
-            else high = middle;
-        }
+        size_t cells = (size_t)p->rows * (size_t)p->columns, part = (size_t)(wanted * (double)cells);
+        size_t low = (size_t)p->guide[part < cells ? part : cells - 1];
+        while (p->cumulative[low + 1] <= wanted) low++;
         *weight = (double)p->weight[low];
         u = ((double)(low / (size_t)p->columns) + u) / p->rows;
         v = ((double)(low % (size_t)p->columns) + v) / p->columns;
@@ -214,6 +211,7 @@ void cpm_emitters_free(cpm_emitter *emitters, size_t count) {
     for (size_t i = 0; emitters && i < count; i++) {
         free(emitters[i].weight), free(emitters[i].area);
         free(emitters[i].projection.cumulative), free(emitters[i].projection.weight);
+        free(emitters[i].projection.guide);
     }
     free(emitters);
 }

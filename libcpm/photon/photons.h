@@ -33,6 +33,7 @@ struct cpm_photons {
 typedef struct cpm_projection {
     int32_t rows, columns;
     double *cumulative;   /* cells + 1: probability that a cell's photons start below it */
+    int32_t *guide;       /* cells: the cell that holds the lower end of each of as many equal parts of probability */
     float *weight;        /* cells: what keeps the estimate unbiased */
     uint64_t active, caustic;
 } cpm_projection;

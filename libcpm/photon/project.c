@@ -87,6 +87,10 @@ static void weigh(cpm_projection *p, const uint8_t *flags) {
         p->cumulative[i + 1] = sum += probability;
     }
     p->cumulative[cells] = 1.0;
+    for (int i = 0, cell = 0; i < cells; i++) {
+        while (p->cumulative[cell + 1] <= (double)i / cells) cell++;
+        p->guide[i] = cell;
+    }
 }
 
 cpm_status cpm_project(const cpm_pass *pass, cpm_emitter *emitter, cpm_stats *stats) {
@@ -96,7 +100,8 @@ cpm_status cpm_project(const cpm_pass *pass, cpm_emitter *emitter, cpm_stats *st
     uint8_t *seen = calloc(corners, 1), *flags = calloc(cells, 1), *dilated = calloc(cells, 1);
     p->cumulative = calloc(cells + 1, sizeof *p->cumulative);
     p->weight = calloc(cells, sizeof *p->weight);
-    int fine = flights && seen && flags && dilated && p->cumulative && p->weight;
+    p->guide = calloc(cells, sizeof *p->guide);
+    int fine = flights && seen && flags && dilated && p->cumulative && p->weight && p->guide;
     if (fine) {
         double cutoff = 1.0 - cpm_cos(emitter->light->cutoff);
         for (int r = 0; r <= ROWS; r++)
