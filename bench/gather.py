@@ -87,12 +87,14 @@ def measure(options):
     best : dict of str to (build, query) seconds
     ours : dict
         The last of bench/gather.c's results.
+    versions : dict of str to str
+        Of each peer.
     missing : list of str
         Peers that are not installed.
     radius_error : float
         Largest relative difference of the k-th distances from cKDTree's; NaN without SciPy.
     """
-    best, missing, radius_error = {}, [], float("nan")
+    best, versions, missing, radius_error = {}, {}, [], float("nan")
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         write_data(folder, options)
@@ -106,11 +108,12 @@ def measure(options):
                 if peer.get("missing"):
                     missing.append(peer["name"])
                 else:
+                    versions[peer["name"]] = peer["version"]
                     keep_fastest(best, peer["name"], peer["build_seconds"], peer["query_seconds"])
         if (folder / "radii-peer").exists():
             theirs = np.fromfile(folder / "radii-peer")
             radius_error = float(np.max(np.abs(np.fromfile(folder / "radii-one") / theirs - 1)))
-    return best, ours, sorted(set(missing)), radius_error
+    return best, ours, versions, sorted(set(missing)), radius_error
 
 
 def draw(best, options):
@@ -148,7 +151,7 @@ def main():
     options = parse_arguments()
     program("gather")
     load = load_average()
-    best, ours, missing, radius_error = measure(options)
+    best, ours, versions, missing, radius_error = measure(options)
     peers = {name: sum(seconds) for name, seconds in best.items() if not name.startswith("libcpm")}
     best_peer = min(peers, key=peers.get) if peers else None
     least = peers[best_peer] if peers else float("nan")
@@ -168,10 +171,11 @@ def main():
         judge("bytes a photon", bytes_each, None),
     ]
     settings = ("photons", "queries", "nearest", "threads", "bins", "order", "rounds", "seed")
-    content = {"load_at_start": load, "missing": missing, "isa": ours["isa"], "checksum": ours["checksum"],
+    content = {"load_at_start": load, "peers": versions, "missing": missing, "isa": ours["isa"],
+               "checksum": ours["checksum"],
                "settings": {name: getattr(options, name) for name in settings},
                "seconds": {name: {"build": build, "query": query} for name, (build, query) in best.items()}}
-    write(options.results, "gather", content, figures, draw(best, options), packages=["scipy", "pykdtree"])
+    write(options.results, "gather", content, figures, draw(best, options))
 
 
 if __name__ == "__main__":

@@ -4,13 +4,14 @@
     knn.py PHOTONS QUERIES RADII [--nearest 150] [--threads 2] [--leaf 32]
 
 PHOTONS, QUERIES: raw float32, six a row: position, normal (not looked at). RADII: the distances of the k-th by cKDTree
-are written there, raw float64. Prints a JSON list of {"name", "build_seconds", "query_seconds"}; a peer that is not
-installed has "missing" instead. Needs NumPy and what is compared, nothing of cpm.
+are written there, raw float64. Prints a JSON list of {"name", "version", "build_seconds", "query_seconds"}; a peer that
+is not installed has "missing" instead. Needs NumPy and what is compared, nothing of cpm.
 """
 import argparse
 import json
 import os
 import time
+from importlib import metadata
 from pathlib import Path
 
 import numpy as np
@@ -61,10 +62,11 @@ def main():
     photons, queries = (np.fromfile(path, np.float32).reshape(-1, 6)[:, :3].copy()
                         for path in (options.photons, options.queries))
     results = []
-    for name, runs in (("cKDTree", scipy_runs), ("pykdtree", pykdtree_runs)):
+    for name, package, runs in (("cKDTree", "scipy", scipy_runs), ("pykdtree", "pykdtree", pykdtree_runs)):
         try:
             for label, build, query, radii in runs(photons, queries, options):
-                results.append({"name": label, "build_seconds": build, "query_seconds": query})
+                results.append({"name": label, "version": f"{package} {metadata.version(package)}",
+                                "build_seconds": build, "query_seconds": query})
                 if label == "cKDTree, unbalanced":
                     radii.astype(np.float64).tofile(options.radii)
         except ImportError:

@@ -117,6 +117,19 @@ typedef struct cpm_chord {
     double off, a, b;
 } cpm_chord;
 
+/* The one root of a parabola whose ends are on opposite sides of the plane: it crosses from the side `from` (1: that of
+ * the normal), so f' there has the sign of the crossing, and the quadratic's root is the one with that slope. */
+CPM_INLINE double cpm_chord_parabola(const cpm_curve *k, const cpm_chord *chord, const cpm_triangle *t, cpm_vec corner,
+                                     cpm_vec n, double b, int from, double *u, double *v) {
+    double f0 = cpm_vdot(cpm_sub(k->c[0], corner), n), f1 = cpm_vdot(k->c[1], n), f2 = cpm_vdot(k->c[2], n);
+    double d = f1 * f1 - 4.0 * f2 * f0;
+    if (!(d >= 0.0)) return -2.0;
+    double slope = from ? -sqrt(d) : sqrt(d); /* f1 + 2 f2 theta at the root */
+    double root = (f1 < 0.0) == (slope < 0.0) ? -2.0 * f0 / (f1 + slope) : (slope - f1) / (2.0 * f2);
+    if (!(root > chord->a && root <= b)) return -2.0;
+    return cpm_triangle_contains(t, cpm_curve_at(k, root), u, v) ? root : -2.0;
+}
+
 /* As cpm_curve_triangle, for a triangle that the ray does not start on: most are told apart by the chord's ends. Both
  * farther from the plane than the curve is from its chord, on one side: no root. On opposite sides, with the slope
  * (end - start distance) beyond what curvature can turn (4 off): one root, bracketed. */
@@ -125,9 +138,10 @@ CPM_INLINE double cpm_chord_triangle(const cpm_curve *k, const cpm_chord *chord,
     cpm_vec corner = cpm_v(t->corner[0], t->corner[1], t->corner[2]);
     cpm_vec n = cpm_v(t->normal[0], t->normal[1], t->normal[2]);
     double da = cpm_vdot(cpm_sub(chord->start, corner), n), db = cpm_vdot(cpm_sub(chord->end, corner), n);
-    double off = chord->off * sqrt(cpm_vdot(n, n));
+    double off = chord->off * t->normal_length;
     if ((da > off && db > off) || (da < -off && db < -off)) return -2.0;
     if ((da > off && db < -off) || (da < -off && db > off)) {
+        if (k->degree == 2) return cpm_chord_parabola(k, chord, t, corner, n, b, da > 0.0, u, v);
         if (fabs(db - da) > 5.0 * off && k->degree > 2) {
             double f[6];
             f[0] = cpm_vdot(cpm_sub(k->c[0], corner), n);

@@ -10,7 +10,8 @@ typedef struct cpm_triangle {
     double inverse_area2;   /*  96  1/|normal|^2 */
     double tolerance;       /* 104  rounding of a barycentric coordinate */
     double near_edge;       /* 112  barycentric distance within which float arithmetic is not trusted */
-} cpm_triangle;             /* 120 */
+    double normal_length;   /* 120  |normal| */
+} cpm_triangle;             /* 128 */
 
 typedef struct cpm_sphere {
     double center[3];

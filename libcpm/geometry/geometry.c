@@ -39,7 +39,7 @@ struct cpm_geometry {
 typedef struct query {
     cpm_embree_context base; /* first: Embree hands it back */
     const cpm_geometry *geometry;
-    cpm_curve curve;
+    const cpm_curve *curve;
     cpm_chord chord; /* a, b: theta of its ends */
     int32_t left;
     double slack; /* theta within which the filter is asked */
@@ -55,6 +55,7 @@ int cpm_triangle_complete(cpm_triangle *t, double scale) {
     t->normal[0] = n.x, t->normal[1] = n.y, t->normal[2] = n.z;
     if (!(area2 > 1e-14 * longest * longest) || !(area2 * area2 > 0.0)) return 0;
     double height = area2 / longest;
+    t->normal_length = area2;
     t->inverse_area2 = 1.0 / (area2 * area2);
     t->tolerance = 1e-12 + 8.0 * DBL_EPSILON * scale / height;
     t->near_edge = 4.0 * START_ULPS * ULP * scale / height;
@@ -175,13 +176,13 @@ static void test_primitive(query *q, size_t primitive, struct RTCRayHit *rayhit)
     int leaving = (int32_t)primitive == q->left;
     double u = 0.0, v = 0.0;
     double t = primitive < g->triangle_count
-                   ? leaving ? cpm_curve_triangle(&q->curve, &g->triangles[primitive], 1, q->chord.a, end, &u, &v)
-                             : cpm_chord_triangle(&q->curve, &q->chord, &g->triangles[primitive], end, &u, &v)
-                   : cpm_curve_sphere(&q->curve, &g->spheres[primitive - g->triangle_count], leaving, q->chord.a, end);
+                   ? leaving ? cpm_curve_triangle(q->curve, &g->triangles[primitive], 1, q->chord.a, end, &u, &v)
+                             : cpm_chord_triangle(q->curve, &q->chord, &g->triangles[primitive], end, &u, &v)
+                   : cpm_curve_sphere(q->curve, &g->spheres[primitive - g->triangle_count], leaving, q->chord.a, end);
     if (!(t > -1.0)) return;
     if (q->filter && t <= q->slack &&
-        !q->filter->counts(q->filter->user, (int32_t)primitive, cpm_curve_at(&q->curve, t),
-                           cpm_curve_tangent(&q->curve, t)))
+        !q->filter->counts(q->filter->user, (int32_t)primitive, cpm_curve_at(q->curve, t),
+                           cpm_curve_tangent(q->curve, t)))
         return;
     if (q->best.primitive >= 0 && (t > q->best.t || (t == q->best.t && (int32_t)primitive >= q->best.primitive))) return;
     q->best.primitive = (int32_t)primitive;
@@ -203,7 +204,7 @@ static void sphere_occluded(const struct RTCOccludedFunctionNArguments *args) {
     if (!args->valid[0]) return;
     query *q = (query *)(void *)args->context;
     struct RTCRay *ray = (struct RTCRay *)(void *)args->ray;
-    double t = cpm_curve_sphere(&q->curve, &q->geometry->spheres[args->primID], 0, q->chord.a, (double)ray->tfar);
+    double t = cpm_curve_sphere(q->curve, &q->geometry->spheres[args->primID], 0, q->chord.a, (double)ray->tfar);
     if (t > 0.0) ray->tfar = -INFINITY;
 }
 
@@ -213,7 +214,7 @@ static void sphere_intersect(const struct RTCIntersectFunctionNArguments *args) 
     query *q = (query *)(void *)args->context;
     struct RTCRayHit *rayhit = (struct RTCRayHit *)(void *)args->rayhit;
     size_t primitive = q->geometry->triangle_count + args->primID;
-    double t = cpm_curve_sphere(&q->curve, &q->geometry->spheres[args->primID], (int32_t)primitive == q->left, q->chord.a,
+    double t = cpm_curve_sphere(q->curve, &q->geometry->spheres[args->primID], (int32_t)primitive == q->left, q->chord.a,
                                 (double)rayhit->ray.tfar);
     if (!(t > 0.0)) return;
     rayhit->ray.tfar = (float)t;
@@ -338,18 +339,19 @@ void cpm_geometry_curve(const cpm_geometry *g, const cpm_curve *curve, double th
     if (!g->curved) return;
     cpm_embree_context_init(&q.base);
     q.geometry = g;
-    q.curve = *curve;
+    q.curve = curve;
     q.left = left;
     q.slack = slack;
     q.filter = slack > 0.0 ? filter : NULL;
     q.best.primitive = -1;
     q.best.t = INFINITY;
     double sagitta = cpm_curve_sagitta(curve, theta_end);
-    double chords = cpm_min(cpm_max(ceil(sqrt(sagitta / g->sagitta)), 1.0), MAX_CHORDS);
+    double chords = 1.0;
+    if (sagitta > g->sagitta) chords = cpm_min(ceil(sqrt(sagitta / g->sagitta)), MAX_CHORDS);
     double grow = sagitta / (chords * chords) + 1e-12 * g->scale;
     cpm_vec start = curve->c[0];
     for (double i = 0.0; i < chords && q.best.primitive < 0; i++) {
-        double a = theta_end * (i / chords), b = theta_end * ((i + 1.0) / chords);
+        double a = theta_end * i / chords, b = i + 1.0 < chords ? theta_end * (i + 1.0) / chords : theta_end;
         cpm_vec end = cpm_curve_at(curve, b), chord = cpm_sub(end, start);
         double enter = 0.0, leave = 1.0; /* cut to the scene's box: fewer queries, and float sees small numbers */
         if (clip_to_box(g, start, chord, grow, &enter, &leave)) {
@@ -369,7 +371,7 @@ void cpm_geometry_curve(const cpm_geometry *g, const cpm_curve *curve, double th
 }
 
 static void straight_exact(const cpm_geometry *g, const query *from, double leave, double slack, cpm_hit *hit) {
-    cpm_curve line = from->curve;
+    cpm_curve line = *from->curve;
     line.c[1] = cpm_scaled(leave, line.c[1]);
     cpm_geometry_curve(g, &line, 1.0, from->left, slack / leave, from->filter, hit);
     hit->t *= leave;
@@ -383,8 +385,10 @@ void cpm_geometry_straight(const cpm_geometry *g, cpm_vec origin, cpm_vec direct
 
     query q;
     q.geometry = g;
-    q.curve.degree = 1;
-    q.curve.c[0] = origin, q.curve.c[1] = direction;
+    cpm_curve line;
+    line.degree = 1;
+    line.c[0] = origin, line.c[1] = direction;
+    q.curve = &line;
     q.left = left;
     q.filter = filter;
     double reach = leave + 1e-9 * (leave + g->scale);
@@ -422,7 +426,7 @@ void cpm_geometry_straight(const cpm_geometry *g, cpm_vec origin, cpm_vec direct
         if (!(cpm_min(hit->u, cpm_min(hit->v, 1.0 - hit->u - hit->v)) > -t->near_edge))
             straight_exact(g, &q, reach, slack, hit);
     } else {
-        hit->t = cpm_curve_sphere(&q.curve, &g->spheres[(size_t)primitive - g->triangle_count], primitive == left, 0.0,
+        hit->t = cpm_curve_sphere(q.curve, &g->spheres[(size_t)primitive - g->triangle_count], primitive == left, 0.0,
                                   (double)rayhit.ray.tfar * 1.001);
         hit->u = hit->v = 0.0;
         hit->position = cpm_along(origin, hit->t, direction);
@@ -448,11 +452,13 @@ int cpm_geometry_between(const cpm_geometry *g, cpm_vec a, cpm_vec b) {
     if (!g->straight) return 0;
     cpm_embree_context_init(&q.base);
     q.geometry = g;
-    q.curve.degree = 1;
-    q.curve.c[0] = a, q.curve.c[1] = cpm_sub(b, a);
+    cpm_curve line;
+    line.degree = 1;
+    line.c[0] = a, line.c[1] = cpm_sub(b, a);
+    q.curve = &line;
     q.left = -1;
     q.chord.a = 0.0;
-    set_ray(&rayhit, cpm_sub(a, g->center), q.curve.c[1], 0.0f, 1.0f);
+    set_ray(&rayhit, cpm_sub(a, g->center), line.c[1], 0.0f, 1.0f);
     cpm_embree_occluded(g->straight, &q.base, &rayhit.ray);
     return rayhit.ray.tfar < 0.0f;
 }
