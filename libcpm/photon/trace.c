@@ -9,6 +9,7 @@
 #include <omp.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "cl/shared/octahedral.h"
 #include "cl/shared/fresnel.h"
@@ -17,6 +18,7 @@
 #include "photons.h"
 
 #define BATCH 512
+#define MEMORY_SHARE 0.4 /* of the machine's, for stored photons: building their map takes as much again */
 #define MAX_BOUNCES 4096 /* a closed room of albedo 1 would keep its photons for ever: beyond, they are lost */
 
 typedef struct walker {
@@ -259,22 +261,43 @@ typedef struct shared_work {
     double *energies;  /* batches x CPM_ENERGY_ROWS x bins */
     uint64_t segments, lost, emitted;
     double *evaluations; /* batches */
-    int failed;
+    uint64_t bytes, most_bytes; /* of all stores, and what they may take */
+    int failed, too_many;
 } shared_work;
 
+static uint64_t stored_bytes(const task *t) {
+    uint64_t bytes = 0;
+    for (int p = 0; p < CPM_POPULATIONS; p++)
+        bytes += t->stores[p].count * sizeof(cpm_photon) + t->stores[p].spectra_count * sizeof(uint16_t);
+    return bytes;
+}
+
 static void work(task *t, shared_work *shared, int reports) {
+    uint64_t counted = 0, all;
+    int stop;
     const size_t row = CPM_ENERGY_ROWS * t->pass->bins;
     cpm_context *context = t->pass->context;
     for (;;) {
         uint64_t batch;
 #pragma omp atomic capture
         batch = shared->next++;
-        if (batch >= shared->batches || t->failed || cpm_cancelled(context)) break;
+#pragma omp atomic read
+        stop = shared->too_many;
+        if (batch >= shared->batches || t->failed || stop || cpm_cancelled(context)) break;
         t->energy = &shared->energies[batch * row];
         t->evaluations = 0.0;
         uint64_t end = (batch + 1) * shared->batch;
         run_batch(t, batch * shared->batch, end < shared->photons ? end : shared->photons);
         shared->evaluations[batch] = t->evaluations;
+        uint64_t bytes = stored_bytes(t), grown = bytes - counted;
+        counted = bytes;
+#pragma omp atomic capture
+        all = shared->bytes += grown;
+        if (all > shared->most_bytes) {
+            t->failed = 1;
+#pragma omp atomic write
+            shared->too_many = 1;
+        }
         if (reports && batch % 16 == 0) cpm_progress(context, "trace", (double)batch / (double)shared->batches);
     }
 }
@@ -290,6 +313,7 @@ cpm_status cpm_trace_paths(const cpm_pass *pass, const cpm_emitter *emitters, si
     shared.energies = calloc(shared.batches * row + 1, sizeof *shared.energies);
     shared.evaluations = calloc(shared.batches + 1, sizeof *shared.evaluations);
     if (!shared.energies || !shared.evaluations) shared.failed = 1;
+    shared.most_bytes = (uint64_t)(MEMORY_SHARE * (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE));
 #pragma omp parallel num_threads(context->threads) if (!shared.failed)
     {
         cpm_store mine[CPM_POPULATIONS] = {0};
@@ -317,6 +341,10 @@ cpm_status cpm_trace_paths(const cpm_pass *pass, const cpm_emitter *emitters, si
     stats->photon_segments = shared.segments;
     stats->photons_lost = shared.lost;
     stats->photon_evaluations = (uint64_t)evaluations;
+    if (shared.too_many)
+        return cpm_fail(context, CPM_ERROR_OUT_OF_MEMORY, "photons is %llu: those stored take more than %.1f GB, %.0f %% of "
+                        "this machine's memory; ask for fewer", (unsigned long long)photons,
+                        1e-9 * (double)shared.most_bytes, 100.0 * MEMORY_SHARE);
     if (shared.failed) return cpm_fail(context, CPM_ERROR_OUT_OF_MEMORY, "no memory to store the photons of %llu paths",
                                        (unsigned long long)photons);
     if (cpm_progress(context, "trace", 1.0)) return cpm_fail(context, CPM_ERROR_CANCELLED, "cancelled while tracing photons");
