@@ -17,6 +17,7 @@
 
 #include "map_build.h"
 
+#define SURVEY_CHUNK 65536
 #define SPECTRA_AHEAD 24 /* photons whose spectra are on their way from memory */
 #define FEW 32768        /* photons for which it is not worth waking other threads */
 
@@ -44,8 +45,8 @@ static cpm_status survey(cpm_builder *b) {
     const size_t count = tree->count, bins = tree->bins, limit = tree->spectra_count;
     float lx = FLT_MAX, ly = FLT_MAX, lz = FLT_MAX, hx = -FLT_MAX, hy = -FLT_MAX, hz = -FLT_MAX;
     size_t bad = count, split = 0;
-#pragma omp parallel for num_threads(b->threads) schedule(static) reduction(min : lx, ly, lz, bad)                     \
-    reduction(max : hx, hy, hz) reduction(+ : split)
+#pragma omp parallel for num_threads(b->threads) schedule(dynamic, SURVEY_CHUNK)                                      \
+    reduction(min : lx, ly, lz, bad) reduction(max : hx, hy, hz) reduction(+ : split)
     for (size_t i = 0; i < count; i++) {
         const float x = photons[i].position[0], y = photons[i].position[1], z = photons[i].position[2];
         lx = x < lx ? x : lx, ly = y < ly ? y : ly, lz = z < lz ? z : lz;
@@ -82,11 +83,11 @@ static cpm_status survey(cpm_builder *b) {
 
 /* --- spectra --------------------------------------------------------------------------------------------------- */
 
-/* Spectra in the photons' order, where the given photons were if there is room. A chunk of photons is one thread's;
- * where its spectra begin is counted first. */
+/* Spectra in the photons' order, where the given photons were if there is room. Where a chunk's spectra begin is
+ * counted first. */
 static int32_t move_spectra(cpm_builder *b) {
     cpm_tree *tree = b->tree;
-    const size_t bins = tree->bins, chunks = (size_t)b->threads;
+    const size_t bins = tree->bins, chunks = cpm_builder_chunks(b);
     const size_t bytes = (tree->spectra_count + CPM_PAD) * sizeof *tree->spectra;
     size_t *starts = calloc(chunks + 1, sizeof *starts);
     if (bytes <= tree->count * sizeof *b->given + sizeof(uint16_t[CPM_PAD])) {
@@ -104,13 +105,13 @@ static int32_t move_spectra(cpm_builder *b) {
     }
     memset(tree->spectra + tree->spectra_count, 0, CPM_PAD * sizeof *tree->spectra);
     if (!tree->unsplit) {
-#pragma omp parallel for num_threads(b->threads) schedule(static, 1)
+#pragma omp parallel for num_threads(b->threads) schedule(dynamic, 1)
         for (size_t c = 0; c < chunks; c++)
             for (size_t i = tree->count * c / chunks; i < tree->count * (c + 1) / chunks; i++)
                 starts[c + 1] += tree->photons[i].bin == CPM_ALL_BINS ? bins : 1;
         for (size_t c = 0; c < chunks; c++) starts[c + 1] += starts[c];
     }
-#pragma omp parallel for num_threads(b->threads) schedule(static, 1)
+#pragma omp parallel for num_threads(b->threads) schedule(dynamic, 1)
     for (size_t c = 0; c < chunks; c++) {
         const size_t from = tree->count * c / chunks, to = tree->count * (c + 1) / chunks;
         size_t at = tree->unsplit ? from * bins : starts[c];

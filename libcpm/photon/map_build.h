@@ -23,6 +23,11 @@ typedef struct cpm_builder {
     int index_bits, threads;
 } cpm_builder;
 
+/* Into how many chunks a loop over photons is cut: several a thread, as cores differ and are not ours alone. */
+static inline size_t cpm_builder_chunks(const cpm_builder *builder) {
+    return builder->threads > 1 ? 8 * (size_t)builder->threads : 1;
+}
+
 /* Keys, and the upper part of the tree down to runs that one thread can take. Until photons move there, the memory of
  * tree->photons is scratch. 0: out of memory. */
 int32_t cpm_builder_plan(cpm_builder *builder);

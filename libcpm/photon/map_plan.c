@@ -18,27 +18,29 @@
 static int32_t partition(cpm_builder *b, size_t first, size_t count, const cpm_cells *grid, int fresh) {
     const uint64_t index = (UINT64_C(1) << b->index_bits) - 1;
     uint64_t *keys = b->keys + first, *scratch = (uint64_t *)(void *)b->tree->photons;
-    uint32_t *starts = calloc((size_t)b->threads * DIGITS, sizeof *starts); /* [thread][digit] */
+    const size_t chunks = cpm_builder_chunks(b);
+    uint32_t *starts = calloc(chunks * DIGITS, sizeof *starts); /* [chunk][digit] */
     if (!starts) return 0;
 #pragma omp parallel num_threads(b->threads)
     {
-        const size_t thread = (size_t)omp_get_thread_num(), threads = (size_t)omp_get_num_threads();
-        const size_t from = count * thread / threads, to = count * (thread + 1) / threads;
-        uint32_t *mine = starts + thread * DIGITS;
-        for (size_t i = from; i < to; i++) {
-            const uint64_t at = fresh ? i : keys[i] & index;
-            scratch[i] = cpm_cells_key(grid, &b->given[at], at);
-            mine[scratch[i] >> UPPER_LOW]++;
-        }
-#pragma omp barrier
+#pragma omp for schedule(dynamic, 1)
+        for (size_t c = 0; c < chunks; c++)
+            for (size_t i = count * c / chunks; i < count * (c + 1) / chunks; i++) {
+                const uint64_t at = fresh ? i : keys[i] & index;
+                scratch[i] = cpm_cells_key(grid, &b->given[at], at);
+                starts[c * DIGITS + (scratch[i] >> UPPER_LOW)]++;
+            }
 #pragma omp single
         for (uint32_t digit = 0, sum = 0; digit < DIGITS; digit++)
-            for (size_t t = 0; t < threads; t++) {
-                const uint32_t n = starts[t * DIGITS + digit];
-                starts[t * DIGITS + digit] = sum;
+            for (size_t c = 0; c < chunks; c++) {
+                const uint32_t n = starts[c * DIGITS + digit];
+                starts[c * DIGITS + digit] = sum;
                 sum += n;
             }
-        for (size_t i = from; i < to; i++) keys[mine[scratch[i] >> UPPER_LOW]++] = scratch[i];
+#pragma omp for schedule(dynamic, 1)
+        for (size_t c = 0; c < chunks; c++)
+            for (size_t i = count * c / chunks; i < count * (c + 1) / chunks; i++)
+                keys[starts[c * DIGITS + (scratch[i] >> UPPER_LOW)]++] = scratch[i];
     }
     free(starts);
     return 1;
