@@ -77,6 +77,9 @@ def commit():
         return None
 
 
+COMMIT = commit()   # when the benchmark started, not minutes later
+
+
 def load_average():
     """Processes that wanted a core in the last minute: a number well above 0 at the start says that others ran too."""
     return os.getloadavg()[0] if hasattr(os, "getloadavg") else None
@@ -173,7 +176,7 @@ def write(folder, name, content, figures, figure=None, packages=()):
         Packages, beside NumPy, whose versions matter.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    result = {"benchmark": name, "machine": machine(), "versions": versions(*packages), "commit": commit(),
+    result = {"benchmark": name, "machine": machine(), "versions": versions(*packages), "commit": COMMIT,
               "figures": figures, **content}
     text = json.dumps(rounded(result), indent=1, ensure_ascii=False)
     _replace(folder / f"{name}.json", lambda beside: beside.write_text(text + "\n", encoding="utf-8"))

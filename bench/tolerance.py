@@ -93,7 +93,7 @@ def render(scene, options, seed=0):
 
 def converged(scene, options):
     """Mean of exact pictures with seeds of their own, and the variance of that mean."""
-    pictures = np.array([render(scene, options, seed)[0] for seed in range(FIRST_SEED, FIRST_SEED + options.reference_seeds)])
+    pictures = np.array([render(scene, options, FIRST_SEED + i)[0] for i in range(options.reference_seeds)])
     return pictures.mean(axis=0), pictures.var(axis=0, ddof=1) / len(pictures)
 
 
@@ -105,7 +105,7 @@ def sweep(name, medium, options):
     masks = regions(reference)
     seconds = np.full((options.rounds, len(scenes) + 1), np.nan)
     errors = [{"to_exact": [], "to_converged": []} for _ in scenes]
-    stats = [None] * len(scenes)
+    stats, exact = [None] * len(scenes), None
     for i in range(options.rounds):
         seconds[i, -1] = render(straight, options, i)[2]
         for j, scene in enumerate(scenes):
