@@ -8,16 +8,18 @@
 
 #include "scene.h"
 
+#define GRID 33554432.0 /* 2^25 cells across the shape: far above the rounding of corner + edge, far below its detail */
+
 typedef struct corner {
-    float r[3]; /* float: 24 bits tell vertices apart and forgive the rounding of corner + edge */
+    int32_t cell[3];
     uint32_t slot;
 } corner;
 
 static int compare_corners(const void *a, const void *b) {
     const corner *x = a, *y = b;
     for (int k = 0; k < 3; k++) {
-        if (x->r[k] < y->r[k]) return -1;
-        if (x->r[k] > y->r[k]) return 1;
+        if (x->cell[k] < y->cell[k]) return -1;
+        if (x->cell[k] > y->cell[k]) return 1;
     }
     return 0;
 }
@@ -27,8 +29,11 @@ static int compare_edges(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* Numbers the corners by position. vertex[3 triangle + corner]. */
-static int number_corners(const cpm_triangle *triangles, size_t count, double stretch, uint32_t *vertex) {
+/* Numbers the corners by their cell in a grid over the box, moved by `shift` of a cell. vertex[3 triangle + corner]. */
+static int number_corners(const cpm_triangle *triangles, size_t count, const cpm_box *box, double shift,
+                          uint32_t *vertex) {
+    double size = 0.0;
+    for (int k = 0; k < 3; k++) size = fmax(size, box->high[k] - box->low[k]);
     corner *corners = malloc(3 * count * sizeof *corners);
     if (!corners) return 0;
     for (size_t i = 0; i < count; i++)
@@ -39,7 +44,7 @@ static int number_corners(const cpm_triangle *triangles, size_t count, double st
                 double r = triangles[i].corner[k];
                 if (c == 1) r += triangles[i].edge1[k];
                 if (c == 2) r += triangles[i].edge2[k];
-                to->r[k] = (float)(stretch * r);
+                to->cell[k] = (int32_t)floor((r - box->low[k]) / size * GRID + shift);
             }
         }
     qsort(corners, 3 * count, sizeof *corners, compare_corners);
@@ -82,9 +87,9 @@ cpm_status cpm_shape_require_closed(cpm_scene *scene, int32_t index) {
     const cpm_triangle *t = &scene->triangles[s->first];
     uint32_t *vertex = malloc(3 * s->count * sizeof *vertex);
     int64_t open = 0;
-    /* one vertex may round to two floats; three grids have no midpoint in common */
-    for (double stretch = 1.0; open >= 0 && stretch > 0.5; stretch -= 0.21)
-        open = vertex && number_corners(t, s->count, stretch, vertex) ? first_open_edge(vertex, s->count) : -2;
+    /* one vertex may round to either side of a cell's face; four grids have no face in common */
+    for (double shift = 0.5; open >= 0 && shift < 1.5; shift += 0.27)
+        open = vertex && number_corners(t, s->count, &s->box, shift, vertex) ? first_open_edge(vertex, s->count) : -2;
     free(vertex);
     if (open == -2)
         return cpm_fail(scene->context, CPM_ERROR_OUT_OF_MEMORY, "no memory to check that shape '%s' is closed", s->name);
