@@ -124,6 +124,13 @@ void set_camera(Scene &scene, const Point &origin, const Point &target, const Po
     scene.context->check(cpm_scene_set_camera(scene.handle.get(), &camera));
 }
 
+py::tuple extent(Scene &scene) {
+    cpm_box box;
+    scene.context->check(cpm_scene_extent(scene.handle.get(), &box));
+    return py::make_tuple(py::make_tuple(box.low[0], box.low[1], box.low[2]),
+                          py::make_tuple(box.high[0], box.high[1], box.high[2]));
+}
+
 uint32_t features(Scene &scene, const Doubles &wavelengths) {
     uint32_t bits = 0;
     scene.context->check(cpm_scene_features(scene.handle.get(), wavelengths.data(),
@@ -225,5 +232,6 @@ void bind_scene(py::module_ &module) {
             },
             arg("shape"), arg("radiance"))
         .def("set_camera", &set_camera, arg("origin"), arg("target"), arg("up"), arg("fov"))
+        .def("extent", &extent)
         .def("features", &features, arg("wavelengths"));
 }

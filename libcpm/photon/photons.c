@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "backend/backend.h"
 #include "cl/shared/half.h"
 #include "cl/shared/octahedral.h"
 
@@ -41,8 +42,8 @@ static cpm_photons *photons_new(const cpm_pass *pass) {
     cpm_box box = cpm_geometry_box(pass->geometry);
     p->diagonal = box_diagonal(box);
     if (box.low[0] <= box.high[0])
-        p->origin = cpm_v(0.5 * (box.low[0] + box.high[0]), 0.5 * (box.low[1] + box.high[1]),
-                          0.5 * (box.low[2] + box.high[2]));
+        p->origin =
+            cpm_v(0.5 * (box.low[0] + box.high[0]), 0.5 * (box.low[1] + box.high[1]), 0.5 * (box.low[2] + box.high[2]));
     if (!p->wavelengths || !p->energy) {
         cpm_photons_release(p);
         return NULL;
@@ -79,23 +80,26 @@ cpm_status cpm_photons_run(const cpm_pass *pass, const cpm_photons_options *o, c
     *photons = NULL;
     if (!p) return cpm_fail(context, CPM_ERROR_OUT_OF_MEMORY, "no memory for photon maps");
 
-    cpm_status status = cpm_emitters_create(pass, o->photons, o->seed, !o->no_projection, &emitters, &emitter_count,
-                                            &scale, &p->stats);
+    cpm_status status =
+        cpm_emitters_create(pass, o->photons, o->seed, !o->no_projection, &emitters, &emitter_count, &scale, &p->stats);
     double projected = cpm_seconds();
     if (!status)
-        status = cpm_trace_paths(pass, emitters, emitter_count, o->photons, o->seed, o->batch, p->origin, stores,
-                                 p->energy, &p->stats);
+        status = cpm_backend_native.photons(pass, emitters, emitter_count, o->photons, o->seed, o->batch, p->origin,
+                                            stores, p->energy, &p->stats);
     cpm_emitters_free(emitters, emitter_count);
     double traced = cpm_seconds();
     if (!status) status = build_maps(p, stores, scale);
     for (int i = 0; i < CPM_POPULATIONS; i++) cpm_store_free(&stores[i]);
-    for (size_t i = 0; i < CPM_ENERGY_ROWS * p->bins; i++) p->energy[i] *= i / p->bins == CPM_VARIANCE ? scale * scale : scale;
+    for (size_t i = 0; i < CPM_ENERGY_ROWS * p->bins; i++)
+        p->energy[i] *= i / p->bins == CPM_VARIANCE ? scale * scale : scale;
     p->stats.seconds_project = projected - start;
     p->stats.seconds_trace = traced - projected;
     p->stats.seconds_map = cpm_seconds() - traced;
     p->stats.seconds_total = cpm_seconds() - start;
-    if (status) cpm_photons_release(p);
-    else *photons = p;
+    if (status)
+        cpm_photons_release(p);
+    else
+        *photons = p;
     return status;
 }
 
@@ -152,7 +156,8 @@ static void read_tree(const cpm_photons *p, const cpm_tree *tree, size_t offset,
         size_t at = offset + i;
         const double origin[3] = {p->origin.x, p->origin.y, p->origin.z};
         if (to->position)
-            for (int k = 0; k < 3; k++) to->position[3 * at + (size_t)k] = (float)(origin[k] + (double)from->position[k]);
+            for (int k = 0; k < 3; k++)
+                to->position[3 * at + (size_t)k] = (float)(origin[k] + (double)from->position[k]);
         if (to->direction) {
             cpm_vec d = cpm_octahedral_decode(from->direction);
             to->direction[3 * at] = (float)d.x, to->direction[3 * at + 1] = (float)d.y;

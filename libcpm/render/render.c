@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "eye.h"
+#include "backend/backend.h"
 
 static cpm_status check_options(cpm_context *context, const cpm_scene *scene, const cpm_render_options *o) {
     if (!scene->has_camera)
@@ -32,7 +32,7 @@ static cpm_status gather_picture(const cpm_pass *pass, const cpm_photons *photon
     cpm_status status = CPM_OK;
     if (geometry) status = cpm_scene_prepare(context, pass->scene, 1, 0);
     if (!status) status = cpm_gather_begin(context, photons, geometry, o->nearest, o->max_radius, &gather);
-    if (!status) status = cpm_eye_pass(pass, &gather, o->seed, o->samples, image);
+    if (!status) status = cpm_backend_native.eye(pass, &gather, o->seed, o->samples, image);
     image->stats.seconds_gather = cpm_seconds() - start;
     return status;
 }
@@ -57,8 +57,11 @@ cpm_status cpm_image_render(cpm_context *context, cpm_scene *scene, const cpm_re
     status = cpm_pass_begin(context, scene, o.wavelengths, o.wavelength_count, &pass);
     double prepared = cpm_seconds() - start;
     if (!status) {
-        const cpm_photons_options p = {.struct_size = sizeof p, .photons = o.photons, .seed = o.seed,
-                                       .no_projection = o.no_projection, .batch = o.batch};
+        const cpm_photons_options p = {.struct_size = sizeof p,
+                                       .photons = o.photons,
+                                       .seed = o.seed,
+                                       .no_projection = o.no_projection,
+                                       .batch = o.batch};
         status = cpm_photons_run(&pass, &p, &photons);
         if (!status) status = gather_picture(&pass, photons, &o, film);
         cpm_pass_end(&pass);
@@ -66,8 +69,10 @@ cpm_status cpm_image_render(cpm_context *context, cpm_scene *scene, const cpm_re
     cpm_photons_release(photons);
     film->stats.seconds_prepare = prepared;
     film->stats.seconds_total = cpm_seconds() - start;
-    if (status) cpm_image_release(film);
-    else *image = film;
+    if (status)
+        cpm_image_release(film);
+    else
+        *image = film;
     return status;
 }
 
@@ -75,7 +80,8 @@ cpm_status cpm_image_gather(cpm_context *context, cpm_scene *scene, cpm_photons 
                             const cpm_render_options *options, cpm_image **image) {
     if (image) *image = NULL;
     if (!context || !scene || !photons || !options || !image)
-        return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "context, scene, photons, options and image must not be NULL");
+        return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT,
+                        "context, scene, photons, options and image must not be NULL");
     double start = cpm_seconds();
     cpm_render_options o;
     CPM_TAKE(o, options);
@@ -91,7 +97,9 @@ cpm_status cpm_image_gather(cpm_context *context, cpm_scene *scene, cpm_photons 
         cpm_pass_end(&pass);
     }
     film->stats.seconds_total += cpm_seconds() - start;
-    if (status) cpm_image_release(film);
-    else *image = film;
+    if (status)
+        cpm_image_release(film);
+    else
+        *image = film;
     return status;
 }

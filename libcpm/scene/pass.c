@@ -178,3 +178,16 @@ cpm_status cpm_scene_features(cpm_scene *scene, const double *wavelengths, size_
     cpm_pass_end(&pass);
     return CPM_OK;
 }
+
+cpm_status cpm_scene_extent(cpm_scene *scene, cpm_box *extent) {
+    if (!scene) return CPM_ERROR_INVALID_ARGUMENT;
+    if (!extent) return cpm_fail(scene->context, CPM_ERROR_INVALID_ARGUMENT, "extent must not be NULL");
+    cpm_pass pass = {.scene = scene, .context = scene->context};
+    for (size_t m = 0; m < scene->medium_count; m++)
+        if (!cpm_medium_is_uniform(scene->media[m].medium)) pass.features |= CPM_FEATURE_CURVED;
+    cpm_status status = cpm_scene_prepare(scene->context, scene, 0, 0);
+    if (status) return status;
+    find_extent(&pass);
+    *extent = pass.extent;
+    return CPM_OK;
+}

@@ -33,6 +33,14 @@ class Box:
         object.__setattr__(self, "low", corners[0])
         object.__setattr__(self, "high", corners[1])
 
+    @classmethod
+    def unchecked(cls, low: Vector, high: Vector) -> Box:
+        """A box that may be infinite, as an extent is where nothing bends."""
+        box = object.__new__(cls)
+        object.__setattr__(box, "low", tuple(float(x) for x in low))
+        object.__setattr__(box, "high", tuple(float(x) for x in high))
+        return box
+
 
 @dataclass(frozen=True)
 class Sphere:

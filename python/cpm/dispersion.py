@@ -101,15 +101,18 @@ class Cauchy(Dispersion):
 
     Parameters
     ----------
-    *coefficients : float
-        A (dimensionless), B (µm²), C (µm⁴), …
+    A : float
+        Dimensionless.
+    B, C : float, optional
+        µm², µm⁴.
+    *more : float
+        Of λ⁻⁶, λ⁻⁸, …
     """
 
     _kind = "cauchy"
 
-    def __init__(self, *coefficients: float, **options: Any) -> None:
-        if not coefficients:
-            raise ValueError("Cauchy has no coefficients; at least A is needed")
+    def __init__(self, A: float, B: float = 0.0, C: float = 0.0, *more: float, **options: Any) -> None:
+        coefficients = (A, B, C, *more)
         super().__init__([as_number(c, f"coefficient {i}") for i, c in enumerate(coefficients)], **options)
 
 

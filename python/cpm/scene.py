@@ -84,9 +84,10 @@ class Scene:
         medium : Medium, optional
             Another one to fill everything.
         **integrator
-            ``method``, ``exclude``, ``rtol``, ``atol``, ``step``, ``max_step``: others than this scene's.
+            ``method``, ``exclude``, ``rtol``, ``atol``, ``step``, ``max_step``, ``extent``: others than this scene's.
         """
-        made = Scene(self._medium if medium is None else medium, extent=self._extent, **integrator)
+        extent = integrator.pop("extent", self._extent)
+        made = Scene(self._medium if medium is None else medium, extent=extent, **integrator)
         made._integrator = {**self._integrator, **{name: made._integrator[name] for name in integrator}}
         made._additions = list(self._additions)
         made._camera = self._camera
@@ -108,9 +109,10 @@ class Scene:
         self._medium, self._handle = as_medium(value), None
 
     @property
-    def extent(self) -> Box | None:
-        """The box at which rays leave; None: chosen by the core."""
-        return self._extent
+    def extent(self) -> Box:
+        """The box at which rays leave. Default: shapes, lights and camera grown on each side by their diagonal; infinite
+        where nothing bends. Set it to None to have it chosen again."""
+        return self._extent if self._extent is not None else Box.unchecked(*self._use().extent())
 
     @extent.setter
     def extent(self, value: Box | None) -> None:

@@ -423,6 +423,8 @@ static void scenes(void **state) {
     assert_int_equal(cpm_scene_add_light(NULL, NULL, &index), REFUSED);
     assert_int_equal(cpm_scene_set_camera(NULL, NULL), REFUSED);
     assert_int_equal(cpm_scene_features(NULL, &wavelength, 1, &features), REFUSED);
+    assert_int_equal(cpm_scene_extent(NULL, &(cpm_box){0}), REFUSED);
+    assert_status(context, REFUSED, cpm_scene_extent(s, NULL));
     s = plain_scene(context);
     assert_status(context, REFUSED, cpm_scene_add_mesh(s, NULL, &index));
     assert_status(context, REFUSED, cpm_scene_add_medium(s, NULL, NULL, NULL));

@@ -80,7 +80,7 @@ def test_tabulated_is_linear_and_ends_at_its_ends():
 @pytest.mark.parametrize(
     "make, message",
     [
-        (lambda: dispersion.Cauchy(), "at least A"),
+        (lambda: dispersion.Cauchy(float("nan")), "nan"),
         (lambda: dispersion.Sellmeier([1, 2], [0.1]), "as many"),
         (lambda: dispersion.Tabulated([500, 400], [1.5, 1.5]), r"wavelengths\[1\]"),
         (lambda: dispersion.Constant(float("nan")), "nan"),

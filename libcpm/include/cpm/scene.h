@@ -116,6 +116,9 @@ typedef struct cpm_camera {
 } cpm_camera;
 CPM_API cpm_status cpm_scene_set_camera(cpm_scene *scene, const cpm_camera *camera);
 
+/* The extent: the scene's own, or what is chosen for what it holds now. Infinite where nothing bends. */
+CPM_API cpm_status cpm_scene_extent(cpm_scene *scene, cpm_box *extent);
+
 /* What the scene needs, found by inspection; what is not set is not built, not run and not stored. */
 #define CPM_FEATURE_CURVED (1u << 0)        /* some medium bends rays */
 #define CPM_FEATURE_EXACT (1u << 1)         /* some bent paths are closed forms */

@@ -26,6 +26,8 @@ class Layered(Medium):
         Need not be unit.
     origin : array_like, shape (3,)
         Where height is 0, metres.
+    radius : None
+        Planar layers. Spherical ones are not in this version.
     interpolation : {"cubic", "linear-squared", "step"}
         C² natural spline of n; n² linear between samples (a parabola per layer, exact); n constant from a height to
         the next with Snell's law between (the discrete layers of Berger and Trout).
@@ -34,9 +36,11 @@ class Layered(Medium):
     """
 
     def __init__(self, heights: npt.ArrayLike, n: npt.ArrayLike, up: VectorLike = (0.0, 1.0, 0.0),
-                 origin: VectorLike = (0.0, 0.0, 0.0), interpolation: str = "cubic",
-                 dispersion: Dispersion | str | None = None, bounds: Bounds | None = None) -> None:
+                 origin: VectorLike = (0.0, 0.0, 0.0), radius: float | None = None,
+                 interpolation: str = "cubic", dispersion: Dispersion | str | None = None, bounds: Bounds | None = None) -> None:
         super().__init__(dispersion, bounds)
+        if radius is not None:
+            raise _core.Error(f"radius is {radius!r}: spherical layers are not in this version; None (planar) is allowed")
         self.interpolation = one_of(interpolation, "interpolation", _ALLOWED)
         self.heights, self.n = as_array(heights, "heights"), as_array(n, "n")
         if self.heights.ndim != 1 or self.heights.shape != self.n.shape:

@@ -1,0 +1,24 @@
+/* backend/backend.h: what a backend does: the two passes over rays. Everything else (scenes, inspection, emitters'
+ * shares, projection maps' weights, film, files) is shared code above it.
+ *
+ * `native` (backend/native) runs threads over Embree. `opencl` (backend/opencl) will run the kernels of cl/ on a
+ * device; its place is here, its code is not written yet. One source for the physics: what either does to one item is
+ * in cl/shared. A pass's results depend on its arguments alone, not on the backend's threads or batches. */
+#ifndef CPM_BACKEND_H
+#define CPM_BACKEND_H
+#include "photon/photons.h"
+#include "render/eye.h"
+
+typedef struct cpm_backend {
+    const char *name;
+    /* Photon pass: paths [0, photons) of the emitters, into a store for each population and the energy table
+     * (CPM_ENERGY_ROWS x bins, over the scale). `batch` 0: chosen. */
+    cpm_status (*photons)(const cpm_pass *pass, const cpm_emitter *emitters, size_t emitter_count, uint64_t photons,
+                          uint64_t seed, int32_t batch, cpm_vec origin, cpm_store stores[CPM_POPULATIONS],
+                          double *energy, cpm_stats *stats);
+    /* Eye pass: every pixel of the image, gathered from the maps. */
+    cpm_status (*eye)(const cpm_pass *pass, const cpm_gather *gather, uint64_t seed, int32_t samples, cpm_image *image);
+} cpm_backend;
+
+extern const cpm_backend cpm_backend_native;
+#endif
