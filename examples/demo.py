@@ -57,7 +57,7 @@ def table(columns: dict[str, dict[str, object]]) -> str:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--output", type=Path, default=Path("demo"), help="folder for the pictures (default: demo)")
+    parser.add_argument("--output", type=Path, default=Path("build/demo"), help="folder for the pictures (default: build/demo)")
     parser.add_argument("--photons", type=int, help="paths emitted (default: the scenes', 3 000 000)")
     parser.add_argument("--size", type=lambda text: tuple(int(n) for n in text.split("x")), help="pixels, 400x300")
     args = parser.parse_args()

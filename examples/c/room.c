@@ -28,11 +28,11 @@ static cpm_context *context;
 /* Smooth reflectances: 0.75 white, 0.60 red and 0.15 green at 620 nm. */
 static const double white_nm[] = {400, 620, 700}, white_r[] = {0.70, 0.75, 0.76};
 static const double red_nm[] = {400, 560, 620, 700}, red_r[] = {0.05, 0.08, 0.60, 0.64};
-static const double green_nm[] = {400, 480, 530, 580, 620, 700}, green_r[] = {0.08, 0.20, 0.48, 0.30, 0.15, 0.12};
+static const double green_nm[] = {400, 480, 530, 620, 700}, green_r[] = {0.08, 0.20, 0.45, 0.15, 0.12};
 
 static const cpm_spectrum white = {white_nm, white_r, 3};
 static const cpm_spectrum red = {red_nm, red_r, 4};
-static const cpm_spectrum green = {green_nm, green_r, 6};
+static const cpm_spectrum green = {green_nm, green_r, 5};
 
 /* A parallelogram: a corner and its two edges, metres. */
 typedef struct quad {

@@ -11,6 +11,9 @@ from pathlib import Path
 def written_together(paths: Sequence[str | os.PathLike[str]]) -> Iterator[list[Path]]:
     """Names to write to. They take the places of ``paths`` when the block ends well, and vanish when it does not."""
     targets = [Path(path) for path in paths]
+    for target in targets:
+        if not target.parent.is_dir():
+            raise FileNotFoundError(f"{target}: no such folder: {target.parent}")
     # The suffix stays last, so that writers that go by it still know the format.
     beside = [path.with_name(f".{path.stem}.{os.getpid()}-{i}.part{path.suffix}") for i, path in enumerate(targets)]
     try:

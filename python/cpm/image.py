@@ -102,6 +102,8 @@ class Image:
         """
         xyz = self.to_xyz()
         factor = auto_exposure(xyz[..., 1]) if exposure is None else as_number(exposure, "exposure")
+        if not factor > 0:
+            raise ValueError(f"exposure is {factor:g}; it must be > 0")
         # One bin has no colour: shown grey.
         rgb = colorimetry.linear_rgb(xyz * factor, colourspace, "E" if len(self.wavelengths) == 1 else white)
         return colorimetry.encode(np.clip(rgb, 0.0, 1.0), colourspace) if encode else rgb

@@ -25,7 +25,7 @@ def _count(text: str) -> Any:
         number = float(text)
         return int(text) if text.replace("_", "").isdigit() else _whole(number)
     except (ValueError, OverflowError):
-        raise typer.BadParameter(f"'{text}' is not a whole number") from None
+        raise typer.BadParameter(f"'{text}' is not a whole number from 0 to 4294967295") from None
 
 
 def _whole(number: float) -> int:

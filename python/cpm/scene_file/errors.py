@@ -13,7 +13,9 @@ class SceneFileError(ValueError):
     """One line naming file, key, value and what is allowed."""
 
     def __init__(self, path: str | os.PathLike[str], key: str, problem: str) -> None:
-        super().__init__(": ".join(part for part in (os.fspath(path), key, problem) if part))
+        line = ": ".join(part for part in (os.fspath(path), key, problem) if part)
+        # What a file holds may hold line ends and worse: they are shown, not obeyed.
+        super().__init__("".join(c if c.isprintable() else repr(c)[1:-1] for c in line))
 
 
 def key_of(location: Sequence[str | int]) -> str:
