@@ -3,8 +3,8 @@
 
 Error is told in two ways. "to exact": the difference of a picture to the exact one made with the same random numbers,
 so that photon noise cancels and the integrator's error stays. "to converged": to the mean of exact pictures with other
-seeds, whose noise is taken out; the seed's own photon noise stays in, as a user sees it. Both are medians over seeds. Not
-all of "to exact" is the size of the error: a single photon that passes an edge which the exact one met changes the
+seeds, whose noise is taken out; the seed's own photon noise stays in, as a user sees it. Both are medians over seeds.
+Not all of "to exact" is the size of the error: a single photon that passes an edge which the exact one met changes the
 probes that set the radius of direct light, and with it the picture by 0.002.
 
 Two media with a closed form. n² = 1.69 − 0.10 y, the design's: paths are parabolas in σ, on which every method of
