@@ -165,7 +165,7 @@ def judge_sweep(points, peer):
             figures.append(judge(what, ratio, goal, note=note))
     paper = [point for point in points if (point["photons"], point["nearest"]) == PAPER]
     for where, group, goal in (("worst of the points above that have goals and the paper's", chosen + paper, 0.01),
-                               ("worst of the sweep", points, None)):
+                               ("worst of the sweep", points, 0.01)):
         if group:
             worst = max(group, key=lambda point: abs(point["mean_ratio"]["picture"] - 1.0))
             mean = worst["mean_ratio"]["picture"]
@@ -219,7 +219,7 @@ def parse_arguments():
     parser.add_argument("--samples", type=positive, nargs="+", default=[1, 4], metavar="N", help="eye rays a pixel")
     parser.add_argument("--seeds", type=positive, default=3, metavar="N",
                         help="pictures a point (default: %(default)s)")
-    parser.add_argument("--pairs", type=int, default=5, metavar="N",
+    parser.add_argument("--pairs", type=int, default=15, metavar="N",
                         help="curved and homogeneous renders at the paper's setting; 0: none (default: %(default)s)")
     parser.add_argument("--threads", type=int, default=0, metavar="N", help="of both sides (default: all cores)")
     parser.add_argument("--reference", type=Path, default=ROOT / "bench" / "data" / "room_homogeneous_620nm.npz")

@@ -205,10 +205,10 @@ def draw(sweeps, costs):
     figure, axes = new_figure(1, len(sweeps) + 1, (5.2 * (len(sweeps) + 1), 4.6))
     for axis, (name, result) in zip(axes[0], sweeps.items(), strict=False):
         points = result["points"]
-        for method in dict.fromkeys(point["method"] for point in points):
+        for method, mark in zip(dict.fromkeys(point["method"] for point in points), "sx+od", strict=True):
             chosen = [point for point in points if point["method"] == method]
             axis.plot([point["seconds"] for point in chosen],
-                      [max(point["to_exact"]["picture"], NOTHING) for point in chosen], "o-", ms=4, label=method)
+                      [max(point["to_exact"]["picture"], NOTHING) for point in chosen], f"{mark}-", ms=5, label=method)
         noise = points[0]["to_converged"]["picture"]
         axis.axhline(noise, color="0.5", ls=":", label="photon noise of one picture")
         axis.axvline(result["homogeneous_seconds"], color="0.5", ls="--", label="homogeneous room")
