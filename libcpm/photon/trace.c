@@ -167,7 +167,7 @@ static void meet_surface(task *t, walker *w, const cpm_arrival *a, float *powers
 static void meet_boundary(task *t, walker *w, const cpm_arrival *a, const float *powers) {
     const cpm_pass *pass = t->pass;
     cpm_passage passage;
-    if (w->flight.bin < 0 && pass->disperses[cpm_medium_behind(pass, &w->flight, a)]) { /* each wavelength its own way */
+    if (cpm_splits(pass, &w->flight, a)) { /* each wavelength its own way */
         for (size_t b = 0; b < pass->bins; b++) {
             if (powers[b] == 0.0f) continue;
             walker one = *w;

@@ -121,7 +121,7 @@ static void see_surface(viewer *v, const glance *g, const cpm_arrival *a, const 
 static void see_boundary(viewer *v, const glance *g, const cpm_arrival *a, const float *weights) {
     const cpm_pass *pass = v->pass;
     cpm_passage passage;
-    if (g->flight.bin < 0 && pass->disperses[cpm_medium_behind(pass, &g->flight, a)]) {
+    if (cpm_splits(pass, &g->flight, a)) {
         for (size_t b = 0; b < pass->bins; b++) {
             glance one = *g;
             one.flight.bin = (int32_t)b;

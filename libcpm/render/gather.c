@@ -16,24 +16,32 @@ static int compare_doubles(const void *a, const void *b) {
 }
 
 /* The radius that direct photons ask for where they are. In the shade there are none: a search without a cap would
- * reach the lit area and blur it outward. A cap leaves the estimate unbiased where fewer than k are found, only noisier. */
+ * reach the lit area and blur it outward. A cap leaves the estimate unbiased where fewer than k are found, only
+ * noisier. Probes are chosen by path, a power of two apart: a photon more or less somewhere moves no other probe. */
 static cpm_status direct_cap(cpm_context *context, const cpm_photons *photons, int32_t nearest, double *cap) {
     const cpm_tree *tree = photons->trees[CPM_DIRECT];
-    size_t count = cpm_tree_count(tree), probes = count < PROBES ? count : PROBES, found = 0;
-    double radii[PROBES];
+    const cpm_photon *all = cpm_tree_photons(tree);
+    size_t count = cpm_tree_count(tree), probes = 0, found = 0;
     if (count < 2 * (size_t)nearest) return CPM_OK; /* nothing to learn from */
+    uint32_t apart = 1;
+    while (count / PROBES >= 2 * (size_t)apart) apart *= 2;
+    for (size_t i = 0; i < count; i++) probes += all[i].path % apart == 0;
+    double *radii = malloc((probes + 1) * sizeof *radii);
     cpm_query *query = cpm_query_create(tree);
-    if (!query) return cpm_fail(context, CPM_ERROR_OUT_OF_MEMORY, "no memory to search the photon map");
-    for (size_t i = 0; i < probes; i++) {
-        const cpm_photon *photon = &cpm_tree_photons(tree)[i * count / probes];
-        cpm_vec n = cpm_octahedral_decode(photon->normal);
-        const float normal[3] = {(float)n.x, (float)n.y, (float)n.z};
-        radii[found++] = cpm_tree_radius(tree, query, photon->position, normal, nearest, *cap);
+    if (radii && query) {
+        for (size_t i = 0; i < count; i++) {
+            if (all[i].path % apart) continue;
+            cpm_vec n = cpm_octahedral_decode(all[i].normal);
+            const float normal[3] = {(float)n.x, (float)n.y, (float)n.z};
+            radii[found++] = cpm_tree_radius(tree, query, all[i].position, normal, nearest, *cap);
+        }
+        qsort(radii, found, sizeof *radii, compare_doubles);
+        if (found) *cap = fmin(*cap, CAP_FACTOR * radii[(size_t)(QUANTILE * (double)(found - 1))]);
     }
-    cpm_query_free(query);
-    qsort(radii, found, sizeof *radii, compare_doubles);
-    *cap = fmin(*cap, CAP_FACTOR * radii[(size_t)(QUANTILE * (double)(found - 1))]);
-    return CPM_OK;
+    int failed = !radii || !query;
+    free(radii);
+    if (query) cpm_query_free(query);
+    return failed ? cpm_fail(context, CPM_ERROR_OUT_OF_MEMORY, "no memory to search the photon map") : CPM_OK;
 }
 
 cpm_status cpm_gather_begin(cpm_context *context, const cpm_photons *photons, const cpm_geometry *geometry,
@@ -41,8 +49,7 @@ cpm_status cpm_gather_begin(cpm_context *context, const cpm_photons *photons, co
     gather->photons = photons;
     gather->geometry = geometry;
     gather->nearest = nearest;
-    for (int t = 0; t < CPM_POPULATIONS; t++)
-        gather->max_radius[t] = max_radius > 0.0 ? max_radius : photons->diagonal;
+    for (int t = 0; t < CPM_POPULATIONS; t++) gather->max_radius[t] = max_radius > 0.0 ? max_radius : photons->diagonal;
     if (max_radius > 0.0) return CPM_OK;
     return direct_cap(context, photons, nearest, &gather->max_radius[CPM_DIRECT]);
 }
@@ -76,8 +83,8 @@ void cpm_gather_irradiance(const cpm_gather *gather, cpm_query *queries[CPM_POPU
         const int t = by_radius[i];
         if (!queries[t]) continue;
         memset(scratch, 0, bins * sizeof *scratch);
-        double radius = cpm_tree_irradiance(photons->trees[t], queries[t], at, n, gather->nearest,
-                                            gather->max_radius[t], scratch);
+        double radius =
+            cpm_tree_irradiance(photons->trees[t], queries[t], at, n, gather->nearest, gather->max_radius[t], scratch);
         double sum = 0.0, larger = 1.0;
         for (size_t b = 0; b < bins; b++) sum += scratch[b];
         if (!(sum > 0.0)) continue;

@@ -32,8 +32,6 @@ def test_sellmeier():
 
 def test_catalogue_bk7():
     """The shipped BK7 is SCHOTT's."""
-    if not hasattr(cpm.dispersion, "catalogue"):
-        pytest.skip("the catalogue comes with a later issue")
     np.testing.assert_allclose(cpm.dispersion.catalogue("BK7").n(WAVELENGTHS), radiometry.bk7(WAVELENGTHS), rtol=1e-9)
 
 

@@ -30,12 +30,10 @@ def solid_angle(half, distance=1.0):
     return 4 * np.arcsin(half**2 / (half**2 + distance**2))
 
 
-@pytest.mark.parametrize("half", [1.0, 0.1, 0.02])
-@pytest.mark.parametrize("projection", [True, False])
+# Without a map too few photons reach the smallest to compare anything.
+@pytest.mark.parametrize(("half", "projection"), [(1.0, True), (0.1, True), (0.02, True), (1.0, False), (0.1, False)])
 def test_power_on_a_square(half, projection):
     """Down to an object within one cell of the map: power = I Ω, z-test over seeds."""
-    if not projection and half < 0.1:
-        pytest.skip("too few photons without a map: nothing to compare")
     scene, expected = square_scene(half), solid_angle(half)
     found = [landed(scene, 20_000, seed, projection, lambda m: np.ones(len(m.power), bool)) for seed in SEEDS]
     spread = np.std(found, ddof=1) / np.sqrt(len(found))

@@ -53,45 +53,49 @@ static int counts(void *user, int32_t primitive, cpm_vec position, cpm_vec direc
     return cpm_boundary_counts(c->pass, c->region, primitive, position, direction);
 }
 
-int32_t cpm_cross_all(const cpm_pass *pass, const cpm_hit *hit, cpm_vec direction, cpm_region *region) {
-    const cpm_scene *scene = pass->scene;
-    int32_t primitive = hit->primitive;
-    if (scene->medium_count == 1) return -1;
+/* What else is within a hair of a hit, before or behind, and counts. */
+static cpm_hit coincident(const cpm_pass *pass, const cpm_hit *hit, int32_t primitive, cpm_vec direction,
+                          const cpm_region *region) {
+    cpm_curve line = {.degree = 1};
+    crossing c = {pass, region};
+    const cpm_filter filter = {counts, &c};
+    cpm_hit other;
+    line.c[0] = hit->position, line.c[1] = cpm_scaled(CPM_COINCIDE * pass->reach, direction);
+    cpm_geometry_curve(pass->geometry, &line, 1.0, primitive, 1.0, &filter, &other);
+    return other;
+}
+
+void cpm_look_behind(const cpm_pass *pass, const cpm_flight *flight, cpm_arrival *arrival) {
+    cpm_region *region = &arrival->behind;
+    *region = flight->region;
+    if (arrival->status != CPM_RAY_HIT || !cpm_is_boundary(pass, arrival->hit.primitive)) return;
+    int32_t primitive = arrival->hit.primitive;
     for (int i = 0; i < 2 * CPM_MAX_NESTED; i++) {
-        if (!cross_shape(pass, region, primitive, hit->position, direction)) return -2;
-        /* anything else within a hair of the place, before or behind? */
-        double hair = CPM_COINCIDE * pass->reach;
-        cpm_curve line = {.degree = 1};
-        crossing c = {pass, region};
-        const cpm_filter filter = {counts, &c};
-        cpm_hit other;
-        line.c[0] = hit->position, line.c[1] = cpm_scaled(hair, direction);
-        cpm_geometry_curve(pass->geometry, &line, 1.0, primitive, 1.0, &filter, &other);
-        if (other.primitive < 0) return -1;
-        if (!cpm_is_boundary(pass, other.primitive)) return other.primitive;
+        if (!cross_shape(pass, region, primitive, arrival->hit.position, arrival->direction)) {
+            region->count = 0;
+            return;
+        }
+        cpm_hit other = coincident(pass, &arrival->hit, primitive, arrival->direction, region);
+        if (other.primitive < 0) return;
+        if (!cpm_is_boundary(pass, other.primitive)) {
+            other.position = arrival->hit.position;
+            other.t = arrival->hit.t;
+            arrival->hit = other;
+            return;
+        }
         primitive = other.primitive;
     }
-    return -1;
 }
 
-/* The region behind, and whether it fits. */
-static int region_behind(const cpm_pass *pass, const cpm_flight *flight, const cpm_arrival *arrival,
-                         cpm_region *region) {
-    *region = flight->region;
-    return cpm_cross_all(pass, &arrival->hit, arrival->direction, region) != -2;
-}
-
-int32_t cpm_medium_behind(const cpm_pass *pass, const cpm_flight *flight, const cpm_arrival *arrival) {
-    cpm_region region;
-    return region_behind(pass, flight, arrival, &region) ? cpm_region_medium(&region)
-                                                         : cpm_region_medium(&flight->region);
+int cpm_splits(const cpm_pass *pass, const cpm_flight *flight, const cpm_arrival *arrival) {
+    return flight->bin < 0 && arrival->behind.count && pass->disperses[cpm_region_medium(&arrival->behind)];
 }
 
 int cpm_pass_boundary(const cpm_pass *pass, const cpm_flight *flight, const cpm_arrival *arrival,
                       cpm_passage *passage) {
     cpm_vec geometric = cpm_geometric_normal(pass->scene, &arrival->hit);
-    cpm_region region;
-    if (!region_behind(pass, flight, arrival, &region)) return 0;
+    const cpm_region region = arrival->behind;
+    if (!region.count) return 0;
     passage->jumps = passage->total = 0;
     passage->reflectance = 0.0;
     passage->transmitted = cpm_depart(pass, flight, arrival, arrival->direction);

@@ -19,12 +19,13 @@ int cpm_is_boundary(const cpm_pass *pass, int32_t primitive);
 /* Would passing this primitive in this direction change the region? Surfaces always count. */
 int cpm_boundary_counts(const cpm_pass *pass, const cpm_region *region, int32_t primitive, cpm_vec position,
                         cpm_vec direction);
-/* Crosses the boundary that was hit and all that coincide with it. Returns a surface that coincides too, else -1; -2
- * where more than CPM_MAX_NESTED media would overlap. */
-int32_t cpm_cross_all(const cpm_pass *pass, const cpm_hit *hit, cpm_vec direction, cpm_region *region);
+/* Fills arrival->behind: what contains the ray once it has passed the boundary that it met and all that coincide with
+ * it. A surface that coincides stands before them (what lies on a floor does not let the ray into the floor): then it
+ * is what was met. cpm_follow does this for every arrival. */
+void cpm_look_behind(const cpm_pass *pass, const cpm_flight *flight, cpm_arrival *arrival);
 
-/* The medium behind the boundary that the arrival is at, for the flight that came there. */
-int32_t cpm_medium_behind(const cpm_pass *pass, const cpm_flight *flight, const cpm_arrival *arrival);
+/* Does a bundle part here, because the medium behind disperses? */
+int cpm_splits(const cpm_pass *pass, const cpm_flight *flight, const cpm_arrival *arrival);
 
 /* Both ways on from a boundary. Returns 0 where more than CPM_MAX_NESTED media would overlap. */
 int cpm_pass_boundary(const cpm_pass *pass, const cpm_flight *flight, const cpm_arrival *arrival, cpm_passage *passage);

@@ -48,17 +48,6 @@ static void follow_straight(const cpm_pass *pass, const cpm_flight *flight, cons
     }
 }
 
-/* A surface that coincides with a boundary stands before it: what lies on a floor does not let the ray into the floor.
- */
-static void prefer_surface(const cpm_pass *pass, const cpm_flight *flight, cpm_arrival *arrival) {
-    if (arrival->status != CPM_RAY_HIT || !cpm_is_boundary(pass, arrival->hit.primitive)) return;
-    cpm_region region = flight->region;
-    int32_t surface = cpm_cross_all(pass, &arrival->hit, arrival->direction, &region);
-    if (surface < 0) return;
-    arrival->hit.primitive = surface;
-    arrival->hit.u = arrival->hit.v = 1.0 / 3.0;
-}
-
 void cpm_follow(const cpm_pass *pass, const cpm_flight *flights, size_t count, const cpm_follow_options *options,
                 cpm_arrival *arrivals) {
     for (size_t i = 0; i < count; i++) {
@@ -73,5 +62,5 @@ void cpm_follow(const cpm_pass *pass, const cpm_flight *flights, size_t count, c
             if (pass->way[m] == CPM_WAY_INTEGRATED)
                 cpm_follow_integrated(pass, flights, count, (int32_t)m, options, arrivals);
     if (pass->features & CPM_FEATURE_BOUNDARIES)
-        for (size_t i = 0; i < count; i++) prefer_surface(pass, &flights[i], &arrivals[i]);
+        for (size_t i = 0; i < count; i++) cpm_look_behind(pass, &flights[i], &arrivals[i]);
 }

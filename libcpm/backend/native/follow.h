@@ -19,6 +19,7 @@ typedef struct cpm_arrival {     /* where it ends */
     cpm_hit hit;                 /* position is where it ended, whatever the status */
     cpm_vec direction;           /* unit, of travel */
     double n;                    /* index there, on the side that it comes from */
+    cpm_region behind;           /* what contains the ray beyond a boundary; count 0: more than CPM_MAX_NESTED would */
     double length, optical_path; /* with options only */
     double drift, error;
     double evaluations, steps, rejected;

@@ -1,0 +1,255 @@
+/* test_null_medium.c: media and rays given nonsense. See abuse.h. */
+#include "abuse.h"
+
+static void media_simple(void **state) {
+    (void)state;
+    cpm_context *context = new_context();
+    cpm_medium *m = NULL;
+    assert_status(context, REFUSED, cpm_medium_create_homogeneous(context, 1.0, NULL, NULL));
+    assert_status(context, REFUSED, cpm_medium_create_linear(context, 1.0, up, origin, NULL, NULL));
+    assert_status(context, REFUSED, cpm_medium_create_linear_squared(context, 1.0, up, origin, NULL, NULL));
+    assert_status(context, REFUSED, cpm_medium_create_dispersive(context, NULL, NULL));
+    assert_refused(context, m, cpm_medium_create_dispersive(context, NULL, &m));
+    assert_refused(context, m, cpm_medium_create_linear(context, 1.0, NULL, origin, NULL, &m));
+    assert_refused(context, m, cpm_medium_create_linear_squared(context, 1.0, NULL, origin, NULL, &m));
+    for (size_t i = 0; i < COUNT_OF(not_positive); i++) {
+        assert_refused(context, m, cpm_medium_create_homogeneous(context, not_positive[i], NULL, &m));
+        assert_refused(context, m, cpm_medium_create_linear(context, not_positive[i], up, origin, NULL, &m));
+        assert_refused(context, m, cpm_medium_create_linear_squared(context, not_positive[i], up, origin, NULL, &m));
+    }
+    for (size_t i = 0; i < COUNT_OF(not_numbers); i++) {
+        const double bad[3] = {0, not_numbers[i], 0};
+        assert_refused(context, m, cpm_medium_create_linear(context, 1.0, bad, origin, NULL, &m));
+        assert_refused(context, m, cpm_medium_create_linear(context, 1.0, up, bad, NULL, &m));
+        assert_refused(context, m, cpm_medium_create_linear_squared(context, 1.0, bad, origin, NULL, &m));
+        assert_refused(context, m, cpm_medium_create_linear_squared(context, 1.0, up, bad, NULL, &m));
+    }
+    cpm_context_release(context);
+}
+
+static void media_dispersion(void **state) {
+    (void)state;
+    cpm_context *context = new_context();
+    cpm_medium *m = NULL;
+    cpm_dispersion d = {
+        .struct_size = sizeof d, .kind = CPM_DISPERSION_CAUCHY, .count = 2, .coefficients = {1.5, 0.01}};
+    assert_ok(context, cpm_medium_create_dispersive(context, &d, &m));
+    cpm_medium_release(m);
+    const int32_t counts[] = {0, -1, INT32_MIN, CPM_DISPERSION_MAX_COEFFICIENTS + 1, INT32_MAX};
+    for (size_t i = 0; i < COUNT_OF(counts); i++) {
+        d.count = counts[i];
+        assert_refused(context, m, cpm_medium_create_dispersive(context, &d, &m));
+    }
+    d.count = 2;
+    const int32_t kinds[] = {-1, 5, INT32_MAX, INT32_MIN};
+    for (size_t i = 0; i < COUNT_OF(kinds); i++) {
+        d.kind = kinds[i];
+        assert_refused(context, m, cpm_medium_create_dispersive(context, &d, &m));
+    }
+    for (int32_t kind = CPM_DISPERSION_CONSTANT; kind <= CPM_DISPERSION_TABULATED; kind++)
+        for (size_t i = 0; i < COUNT_OF(not_numbers); i++) {
+            d.kind = kind;
+            d.coefficients[0] = not_numbers[i];
+            assert_refused(context, m, cpm_medium_create_dispersive(context, &d, &m));
+        }
+    d = (cpm_dispersion){.struct_size = 0};
+    assert_refused(context, m, cpm_medium_create_dispersive(context, &d, &m));
+    cpm_context_release(context);
+}
+
+static void media_tables(void **state) {
+    (void)state;
+    cpm_context *context = new_context();
+    cpm_medium *m = NULL;
+    const double heights[3] = {0, 1, 2}, values[3] = {1.3, 1.2, 1.1};
+    const cpm_layered_desc good = {.struct_size = sizeof good,
+                                   .heights = heights,
+                                   .n = values,
+                                   .count = 3,
+                                   .interpolation = CPM_INTERPOLATION_CUBIC};
+    assert_refused(context, m, cpm_medium_create_layered(context, NULL, NULL, &m));
+    assert_status(context, REFUSED, cpm_medium_create_layered(context, &good, NULL, NULL));
+    cpm_layered_desc d = good;
+    d.heights = NULL;
+    assert_refused(context, m, cpm_medium_create_layered(context, &d, NULL, &m));
+    d = good, d.n = NULL;
+    assert_refused(context, m, cpm_medium_create_layered(context, &d, NULL, &m));
+    d = good, d.count = 0;
+    assert_refused(context, m, cpm_medium_create_layered(context, &d, NULL, &m));
+    d = good, d.count = 1;
+    assert_refused(context, m, cpm_medium_create_layered(context, &d, NULL, &m));
+    const int32_t interpolations[] = {-1, CPM_INTERPOLATION_LINEAR, 4, INT32_MAX};
+    for (size_t i = 0; i < COUNT_OF(interpolations); i++) {
+        d = good, d.interpolation = interpolations[i];
+        assert_refused(context, m, cpm_medium_create_layered(context, &d, NULL, &m));
+    }
+    for (size_t i = 0; i < COUNT_OF(not_positive); i++) {
+        const double bad[3] = {1.3, not_positive[i], 1.1};
+        d = good, d.n = bad;
+        assert_refused(context, m, cpm_medium_create_layered(context, &d, NULL, &m));
+        assert_non_null(strchr(cpm_context_last_error(context), '1')); /* the index of the bad sample */
+    }
+    for (size_t i = 0; i < COUNT_OF(not_numbers); i++) {
+        const double bad[3] = {0, not_numbers[i], 2};
+        d = good, d.heights = bad;
+        assert_refused(context, m, cpm_medium_create_layered(context, &d, NULL, &m));
+        d = good, d.up[0] = not_numbers[i];
+        assert_refused(context, m, cpm_medium_create_layered(context, &d, NULL, &m));
+        d = good, d.origin[2] = not_numbers[i];
+        assert_refused(context, m, cpm_medium_create_layered(context, &d, NULL, &m));
+    }
+    const double unsorted[3] = {0, 2, 1}, repeated[3] = {0, 1, 1};
+    d = good, d.heights = unsorted;
+    assert_refused(context, m, cpm_medium_create_layered(context, &d, NULL, &m));
+    d = good, d.heights = repeated;
+    assert_refused(context, m, cpm_medium_create_layered(context, &d, NULL, &m));
+
+    const double samples[8] = {1.1, 1.1, 1.1, 1.1, 1.2, 1.2, 1.2, 1.2};
+    const cpm_grid_desc grid = {.struct_size = sizeof grid, .values = samples, .size = {2, 2, 2}, .spacing = {1, 1, 1}};
+    assert_refused(context, m, cpm_medium_create_grid(context, NULL, NULL, &m));
+    assert_status(context, REFUSED, cpm_medium_create_grid(context, &grid, NULL, NULL));
+    cpm_grid_desc g = grid;
+    g.values = NULL;
+    assert_refused(context, m, cpm_medium_create_grid(context, &g, NULL, &m));
+    for (int axis = 0; axis < 3; axis++) {
+        g = grid, g.size[axis] = 0;
+        assert_refused(context, m, cpm_medium_create_grid(context, &g, NULL, &m));
+        for (size_t i = 0; i < COUNT_OF(not_positive); i++) {
+            g = grid, g.spacing[axis] = not_positive[i];
+            assert_refused(context, m, cpm_medium_create_grid(context, &g, NULL, &m));
+        }
+        for (size_t i = 0; i < COUNT_OF(not_numbers); i++) {
+            g = grid, g.origin[axis] = not_numbers[i];
+            assert_refused(context, m, cpm_medium_create_grid(context, &g, NULL, &m));
+        }
+    }
+    /* Sizes whose product overflows: refused before anything is read. */
+    const size_t huge[][3] = {{SIZE_MAX, 1, 1}, {SIZE_MAX, SIZE_MAX, SIZE_MAX}, {(size_t)1 << 32, (size_t)1 << 32, 2}};
+    for (size_t i = 0; i < COUNT_OF(huge); i++) {
+        g = grid;
+        memcpy(g.size, huge[i], sizeof g.size);
+        m = (cpm_medium *)&somewhere;
+        assert_int_not_equal(cpm_medium_create_grid(context, &g, NULL, &m), CPM_OK);
+        assert_null(m);
+    }
+    const int32_t grid_interpolations[] = {-1, CPM_INTERPOLATION_LINEAR_SQUARED, CPM_INTERPOLATION_STEP, 99};
+    for (size_t i = 0; i < COUNT_OF(grid_interpolations); i++) {
+        g = grid, g.interpolation = grid_interpolations[i];
+        assert_refused(context, m, cpm_medium_create_grid(context, &g, NULL, &m));
+    }
+    for (size_t i = 0; i < COUNT_OF(not_positive); i++) {
+        double bad[8];
+        memcpy(bad, samples, sizeof bad);
+        bad[5] = not_positive[i];
+        g = grid, g.values = bad;
+        assert_refused(context, m, cpm_medium_create_grid(context, &g, NULL, &m));
+    }
+    cpm_context_release(context);
+}
+
+static void medium_evaluate(void **state) {
+    (void)state;
+    cpm_context *context = new_context();
+    cpm_medium *medium = plain_medium(context);
+    double n = 0, gradient[3];
+    assert_ok(context, cpm_medium_evaluate(context, medium, origin, 1, 550.0, &n, gradient));
+    assert_true(n == 1.5);
+    assert_ok(context, cpm_medium_evaluate(context, medium, origin, 0, 550.0, &n, NULL));
+    assert_status(context, REFUSED, cpm_medium_evaluate(context, NULL, origin, 1, 550.0, &n, NULL));
+    assert_status(context, REFUSED, cpm_medium_evaluate(context, medium, NULL, 1, 550.0, &n, NULL));
+    assert_status(context, REFUSED, cpm_medium_evaluate(context, medium, origin, 1, 550.0, NULL, NULL));
+    for (size_t i = 0; i < COUNT_OF(not_positive); i++)
+        assert_status(context, REFUSED, cpm_medium_evaluate(context, medium, origin, 1, not_positive[i], &n, NULL));
+    cpm_medium_release(medium);
+    cpm_context_release(context);
+}
+
+static void rays(void **state) {
+    (void)state;
+    cpm_context *context = new_context();
+    cpm_medium *medium = plain_medium(context);
+    cpm_scene *scene = plain_scene(context);
+    const double wavelength = 550.0, length = 1.0;
+    const cpm_rays_request good = {.struct_size = sizeof good,
+                                   .count = 1,
+                                   .origins = one,
+                                   .directions = up,
+                                   .wavelengths = &wavelength,
+                                   .lengths = &length};
+    double position[3];
+    cpm_rays_result result = {.struct_size = sizeof result, .position = position};
+    assert_ok(context, cpm_rays_trace(context, medium, NULL, &good, &result));
+    assert_true(fabs(position[1] - 2.0) < 1e-12);
+    cpm_rays_result nothing = {.struct_size = sizeof nothing};
+    assert_ok(context, cpm_rays_trace(context, medium, NULL, &good, &nothing));
+    assert_status(context, REFUSED, cpm_rays_trace(context, NULL, NULL, &good, &result));
+    assert_status(context, REFUSED, cpm_rays_trace(context, medium, scene, &good, &result));
+    assert_status(context, REFUSED, cpm_rays_trace(context, medium, NULL, NULL, &result));
+    assert_status(context, REFUSED, cpm_rays_trace(context, medium, NULL, &good, NULL));
+    cpm_rays_request r = good;
+    r.count = 0;
+    r.origins = r.directions = r.wavelengths = r.lengths = NULL;
+    r.lengths = &length;
+    assert_ok(context, cpm_rays_trace(context, medium, NULL, &r, &result));
+    r = good, r.origins = NULL;
+    assert_status(context, REFUSED, cpm_rays_trace(context, medium, NULL, &r, &result));
+    r = good, r.directions = NULL;
+    assert_status(context, REFUSED, cpm_rays_trace(context, medium, NULL, &r, &result));
+    r = good, r.wavelengths = NULL;
+    assert_status(context, REFUSED, cpm_rays_trace(context, medium, NULL, &r, &result));
+    r = good, r.lengths = NULL; /* neither a length nor a plane */
+    assert_status(context, REFUSED, cpm_rays_trace(context, medium, NULL, &r, &result));
+    r = good, r.plane_point = origin, r.plane_normal = up; /* both */
+    assert_status(context, REFUSED, cpm_rays_trace(context, medium, NULL, &r, &result));
+    r = good, r.directions = origin; /* zero direction */
+    assert_status(context, REFUSED, cpm_rays_trace(context, medium, NULL, &r, &result));
+    for (size_t i = 0; i < COUNT_OF(not_numbers); i++) {
+        const double bad[3] = {0, not_numbers[i], 1};
+        r = good, r.origins = bad;
+        assert_status(context, REFUSED, cpm_rays_trace(context, medium, NULL, &r, &result));
+        assert_non_null(strchr(cpm_context_last_error(context), '0')); /* its index */
+        r = good, r.directions = bad;
+        assert_status(context, REFUSED, cpm_rays_trace(context, medium, NULL, &r, &result));
+        r = good, r.wavelengths = &not_numbers[i];
+        assert_status(context, REFUSED, cpm_rays_trace(context, medium, NULL, &r, &result));
+        r = good, r.lengths = &not_numbers[i];
+        assert_status(context, REFUSED, cpm_rays_trace(context, medium, NULL, &r, &result));
+        r = good, r.rtol = not_numbers[i];
+        assert_status(context, REFUSED, cpm_rays_trace(context, medium, NULL, &r, &result));
+        r = good, r.atol = not_numbers[i];
+        assert_status(context, REFUSED, cpm_rays_trace(context, medium, NULL, &r, &result));
+        r = good, r.step = not_numbers[i];
+        assert_status(context, REFUSED, cpm_rays_trace(context, medium, NULL, &r, &result));
+    }
+    const double max_steps[] = {NAN, -INFINITY, -1.0}; /* infinity is what 0 is: no bound */
+    for (size_t i = 0; i < COUNT_OF(max_steps); i++) {
+        r = good, r.max_step = max_steps[i];
+        assert_status(context, REFUSED, cpm_rays_trace(context, medium, NULL, &r, &result));
+    }
+    const double tolerances[] = {-1.0, 1e-15, 1.5, DBL_MAX, -0x1p-1074};
+    for (size_t i = 0; i < COUNT_OF(tolerances); i++) {
+        r = good, r.rtol = tolerances[i];
+        assert_status(context, REFUSED, cpm_rays_trace(context, medium, NULL, &r, &result));
+    }
+    const int32_t methods[] = {-1, 99, INT32_MAX, INT32_MIN};
+    for (size_t i = 0; i < COUNT_OF(methods); i++) {
+        r = good, r.method = methods[i];
+        assert_status(context, REFUSED, cpm_rays_trace(context, medium, NULL, &r, &result));
+        r = good, r.error_mode = methods[i];
+        assert_status(context, REFUSED, cpm_rays_trace(context, medium, NULL, &r, &result));
+    }
+    r = good, r.max_evaluations = -1;
+    assert_status(context, REFUSED, cpm_rays_trace(context, medium, NULL, &r, &result));
+    cpm_scene_release(scene);
+    cpm_medium_release(medium);
+    cpm_context_release(context);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(media_simple), cmocka_unit_test(media_dispersion),
+        cmocka_unit_test(media_tables), cmocka_unit_test(medium_evaluate),
+        cmocka_unit_test(rays),
+    };
+    return cmocka_run_group_tests_name("null_medium", tests, NULL, NULL);
+}
