@@ -58,9 +58,9 @@ static double cut_off(const cpm_piece *piece, double n) {
     const double *p = piece->p0, *g = piece->g0;
     double pg = p[0] * g[0] + p[1] * g[1] + p[2] * g[2], gg = g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
     double pp = p[0] * p[0] + p[1] * p[1] + p[2] * p[2], least = 1e-6 * n;
-    if (!(pg < 0.0)) return INFINITY;
-    double across = pp - pg * pg / gg; /* the least |p|^2, at sigma = -pg/gg */
-    return across < least * least ? -pg / gg - sqrt((least * least - across) / gg) : INFINITY;
+    /* the least |p|^2, pp - pg^2/gg at sigma = -pg/gg, is above `least` squared: for all but one ray in a million */
+    if (!(pg < 0.0) || pg * pg <= (pp - least * least) * gg) return INFINITY;
+    return -pg / gg - sqrt((least * least - (pp - pg * pg / gg)) / gg);
 }
 
 void cpm_follow_exact(const cpm_pass *pass, const cpm_flight *flight, const cpm_follow_options *options, size_t number,
@@ -85,7 +85,9 @@ void cpm_follow_exact(const cpm_pass *pass, const cpm_flight *flight, const cpm_
             arrival->status = CPM_RAY_CUTOFF;
             return;
         }
-        double limit = cpm_max(pass->reach, cpm_norm(cpm_sub(cpm_v(r[0], r[1], r[2]), pass->center)));
+        cpm_vec away = cpm_sub(cpm_v(r[0], r[1], r[2]), pass->center);
+        double limit2 = cpm_vdot(away, away), limit = pass->reach;
+        if (limit2 > limit * limit) limit = sqrt(limit2);
         if (!options && medium->data.kind == CPM_MEDIUM_LINEAR_SQUARED) {
             double inside = leaves_box(&pass->box, r, p, medium->data.axis, scale);
             double h = cpm_min(limit / speed, inside * (1.0 + 1e-6) + 1e-6 * pass->reach / speed);
@@ -102,8 +104,7 @@ void cpm_follow_exact(const cpm_pass *pass, const cpm_flight *flight, const cpm_
         if (options && options->sink) options->sink(options->user, number, &piece, degree, theta < 0.0 ? 1.0 : theta);
         if (theta >= 0.0 || arrival->status == CPM_RAY_HIT) {
             if (options) cpm_add_length(arrival, &piece, degree, theta);
-            const double e[3] = {arrival->hit.position.x, arrival->hit.position.y, arrival->hit.position.z};
-            arrival->n = degree == 1 ? piece.n0 : cpm_medium_n(medium, scale, e);
+            arrival->n = cpm_norm(cpm_curve_tangent(&curve, theta)) / piece.h; /* |p| */
             return;
         }
         if (turn <= piece.h) {
