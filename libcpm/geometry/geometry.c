@@ -13,6 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cl/shared/scatter.h"
 #include "embree.h"
 
 #define ULP 1.2e-7              /* of a float, relative */
@@ -20,7 +21,6 @@
 #define SAGITTA_OF_DIAGONAL 0.02 /* boxes of large triangles are grown by at most this part of the scene */
 #define SAGITTA_OF_EDGE 0.5      /* and by half the median edge of small ones */
 #define MAX_CHORDS 100000.0
-#define STEP_BACK 1e-12
 #define OVERLAP 1e-12 /* of theta: a root where two chords meet belongs to one of them at least */
 
 struct cpm_geometry {
@@ -83,6 +83,7 @@ static double choose_sagitta(const cpm_geometry *g, double diagonal) {
 }
 
 cpm_box cpm_geometry_box(const cpm_geometry *geometry) { return geometry->box; }
+double cpm_geometry_scale(const cpm_geometry *geometry) { return geometry->scale; }
 
 static void measure_box(cpm_geometry *g) {
     for (int k = 0; k < 3; k++) g->box.low[k] = INFINITY, g->box.high[k] = -INFINITY;
@@ -435,9 +436,7 @@ void cpm_geometry_straight(const cpm_geometry *g, cpm_vec origin, cpm_vec direct
 }
 
 cpm_vec cpm_geometry_step_back(const cpm_geometry *g, const cpm_hit *hit, cpm_vec start, cpm_vec came) {
-    double size = g->scale + fabs(hit->position.x) + fabs(hit->position.y) + fabs(hit->position.z);
-    double back = cpm_min(STEP_BACK * size, 0.5 * cpm_norm(cpm_sub(hit->position, start)));
-    return cpm_along(hit->position, -back, came);
+    return scatter_step_back(hit->position, start, came, g->scale);
 }
 
 int cpm_geometry_near_edge(const cpm_geometry *g, const cpm_hit *hit) {

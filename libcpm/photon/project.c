@@ -109,7 +109,7 @@ cpm_status cpm_project(const cpm_pass *pass, cpm_emitter *emitter, cpm_stats *st
                 cpm_flight *f = &flights[r * COLUMNS + c];
                 double cosine = cpm_max(1.0 - cutoff * r / ROWS, -1.0);
                 f->position = emitter->light->position;
-                f->direction = cpm_direction_about(emitter->light->axis, cosine, (double)c / COLUMNS);
+                f->direction = direction_about(emitter->light->axis, cosine, (double)c / COLUMNS);
                 f->region = emitter->region;
                 f->left = -1;
                 f->bin = pass->middle;

@@ -24,7 +24,7 @@ static int on_surface(const cpm_geometry *geometry, cpm_vec point, cpm_vec s, cp
 double cpm_disc_coverage(const cpm_geometry *geometry, cpm_vec point, cpm_vec normal, double radius) {
     cpm_vec s, t, depth = cpm_scaled(DEPTH * radius, normal);
     int covered = 0;
-    cpm_frame(normal, &s, &t);
+    frame3(normal, &s, &t);
     for (int i = 0; i < RIM_PROBES; i++)
         covered += on_surface(geometry, point, s, t, depth, 0.98 * radius, (i + 0.5) / RIM_PROBES);
     if (covered == RIM_PROBES) return 1.0;

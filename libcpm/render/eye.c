@@ -10,9 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cl/shared/fresnel.h"
-#include "cl/shared/philox.h"
-#include "cl/shared/sampling.h"
+#include "cl/shared/scatter.h"
 
 #define TILE 16
 #define MAX_DEPTH 64         /* specular surfaces along one branch */
@@ -103,8 +101,7 @@ static void see_surface(viewer *v, const glance *g, const cpm_arrival *a, const 
     const material *m = &pass->scene->materials[s->material];
     const float *reflectance = &pass->reflectance[(size_t)s->material * bins];
     if (m->kind == CPM_MATERIAL_MIRROR) {
-        cpm_vec direction = cpm_reflect(a->direction, cpm_shading_normal(pass->scene, &a->hit, facing));
-        if (cpm_vdot(direction, facing) <= 0.0) direction = cpm_reflect(a->direction, facing);
+        cpm_vec direction = scatter_mirror(a->direction, cpm_shading_normal(pass->scene, &a->hit, facing), facing);
         cpm_flight flight = cpm_depart(pass, &g->flight, a, direction);
         branch(v, g, &flight, weights, 1.0, reflectance);
         return;

@@ -104,6 +104,24 @@ static inline int32_t cpm_primitive_shape(const cpm_scene *scene, int32_t primit
     return (size_t)primitive < scene->triangle_count ? scene->triangle_shape[primitive]
                                                      : scene->sphere_shape[(size_t)primitive - scene->triangle_count];
 }
+/* The geometric normal of what was hit, of any length, and 1/length^2. */
+typedef struct cpm_facet {
+    cpm_vec normal;
+    double factor;
+} cpm_facet;
+static inline cpm_facet cpm_facet_of(const cpm_scene *scene, const cpm_hit *hit) {
+    cpm_facet facet;
+    if ((size_t)hit->primitive < scene->triangle_count) {
+        const cpm_triangle *t = &scene->triangles[hit->primitive];
+        facet.normal = cpm_v(t->normal[0], t->normal[1], t->normal[2]);
+        facet.factor = t->inverse_area2;
+    } else {
+        const cpm_sphere *s = &scene->spheres[(size_t)hit->primitive - scene->triangle_count];
+        facet.normal = cpm_unit(cpm_sub(hit->position, cpm_v(s->center[0], s->center[1], s->center[2])));
+        facet.factor = 1.0;
+    }
+    return facet;
+}
 /* Unit geometric normal, (b - a) x (c - a) for triangles, outward for spheres. */
 cpm_vec cpm_geometric_normal(const cpm_scene *scene, const cpm_hit *hit);
 /* Interpolated shading normal where the mesh has them, else the geometric one; on the geometric normal's side. */

@@ -1,0 +1,109 @@
+/* photon/pass_lanes.c: see pass_lanes.h; compiled once for each instruction set (backend/native/isa.h). */
+#if defined(__AVX512F__)
+#define CPM_WIDTH 8
+#elif defined(__AVX2__)
+#define CPM_WIDTH 4
+#else
+#define CPM_WIDTH 2
+#endif
+#include "pass_lanes.h"
+
+#include "cl/shared/emit.h"
+#include "cl/shared/scatter.h"
+#include "cl/shared/store.h"
+
+#define NAME(f) CPM_ISA_NAME(f)
+#define LANES_OF(count) (((int)(count) + CPM_WIDTH - 1) / CPM_WIDTH)
+
+static real3 load_block(const double (*p)[CPM_BLOCK], int part) {
+    return triple(load_doubles(p[0], part), load_doubles(p[1], part), load_doubles(p[2], part));
+}
+
+static void store_block(real3 v, double (*p)[CPM_BLOCK], int part) {
+    store_doubles(v.x, p[0], part), store_doubles(v.y, p[1], part), store_doubles(v.z, p[2], part);
+}
+
+static word indices_from(uint64_t first) {
+    uint32_t index[CPM_WIDTH];
+    for (int i = 0; i < CPM_WIDTH; i++) index[i] = (uint32_t)(first + (uint64_t)i);
+    return load_words(index, 0);
+}
+
+static void emit_delta_block(const cpm_emitter_data *e, const double *cumulative, const int32_t *guide,
+                             const float *weight, uint64_t index, size_t count, cpm_emissions *out) {
+    for (int part = 0; part < LANES_OF(count); part++) {
+        real3 direction;
+        real power = emit_delta(e, cumulative, guide, weight, indices_from(index + (uint64_t)(part * CPM_WIDTH)),
+                                &direction);
+        store_doubles(power, out->weight, part);
+        store_block(direction, out->direction, part);
+    }
+}
+
+static void emit_area_block(const cpm_emitter_data *e, const cpm_triangle *triangles, const double *area,
+                            uint64_t index, size_t count, cpm_emissions *out) {
+    for (int part = 0; part < LANES_OF(count); part++) {
+        real3 point, normal, direction;
+        emit_area(e, triangles, area, indices_from(index + (uint64_t)(part * CPM_WIDTH)), &point, &normal, &direction,
+                  &out->primitive[part * CPM_WIDTH]);
+        store_block(point, out->position, part);
+        store_block(normal, out->normal, part);
+        store_block(direction, out->direction, part);
+    }
+}
+
+static void meet_block(uint64_t seed, double scale, size_t count, cpm_meetings *m) {
+    for (int part = 0; part < LANES_OF(count); part++) {
+        real3 came = load_block(m->came, part);
+        real3 facing = scatter_facing(scale3(root(load_doubles(m->factor, part)), load_block(m->normal, part)), came);
+        word random[4];
+        philox_lanes(seed, load_words(m->path, part), load_words(m->block, part), CPM_STREAM_SCATTER,
+                     load_words(m->bin, part), random);
+        store_block(scatter_diffuse(facing, random), m->toward, part);
+        store_block(scatter_step_back(load_block(m->hit, part), load_block(m->start, part), came, scale), m->from, part);
+        store_doubles(uniform_lanes(random[2]), m->chance, part);
+        store_words(octahedral_encode(came), m->direction_code, part);
+        store_words(octahedral_encode(facing), m->normal_code, part);
+    }
+}
+
+static void power_bins(float weight, const float *spectrum, size_t bins, float *restrict powers,
+                       double *restrict emitted) {
+    for (size_t b = 0; b < bins; b++) {
+        powers[b] = weight * spectrum[b];
+        emitted[b] += (double)powers[b];
+    }
+}
+
+static void roulette_bins(const float *restrict before, const float *restrict reflectance, const float *restrict share,
+                          size_t bins, int alive, const cpm_roulette_rows *rows, float *restrict after) {
+    double *restrict absorbed = rows->absorbed, *restrict variance = rows->variance;
+    double *restrict row = alive ? rows->gain : rows->loss;
+    const double sign = alive ? 1.0 : -1.0;
+    for (size_t b = 0; b < bins; b++) {
+        double kept, change;
+        const float power = before[b];
+        after[b] = cpm_roulette(power, reflectance[b], share[b], alive, &kept, &change);
+        absorbed[b] += (double)power - kept;
+        row[b] += sign * change;
+        variance[b] += change * change;
+    }
+}
+
+static void halve_bins(const float *restrict powers, size_t bins, uint32_t dither,
+                       const cpm_dither_table *restrict table, uint16_t *restrict to) {
+    uint32_t odd = 0;
+    for (size_t b = 0; b < bins; b++) {
+        cpm_float_bits x;
+        x.value = powers[b];
+        odd |= (uint32_t)!cpm_dithers(x.bits);
+        to[b] = cpm_dithered_bits(x.bits, dither * table->multiply[b] + table->add[b]);
+    }
+    if (!odd) return;
+    for (size_t b = 0; b < bins; b++)
+        to[b] = cpm_half_dithered(powers[b], dither * table->multiply[b] + table->add[b]);
+}
+
+extern const cpm_pass_code NAME(cpm_pass_code);
+const cpm_pass_code NAME(cpm_pass_code) = {emit_delta_block, emit_area_block, meet_block,
+                                           power_bins,       roulette_bins,   halve_bins};
