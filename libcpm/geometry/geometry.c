@@ -14,26 +14,12 @@
 #include <string.h>
 
 #include "cl/shared/scatter.h"
-#include "embree.h"
+#include "parts.h"
 
-#define ULP 1.2e-7              /* of a float, relative */
-#define START_ULPS 8.0          /* a straight float ray starts this many ulp of the scene away */
 #define SAGITTA_OF_DIAGONAL 0.02 /* boxes of large triangles are grown by at most this part of the scene */
 #define SAGITTA_OF_EDGE 0.5      /* and by half the median edge of small ones */
 #define MAX_CHORDS 100000.0
 #define OVERLAP 1e-12 /* of theta: a root where two chords meet belongs to one of them at least */
-
-struct cpm_geometry {
-    const cpm_triangle *triangles;
-    const cpm_sphere *spheres;
-    size_t triangle_count, sphere_count;
-    cpm_box box;
-    cpm_vec center;  /* subtracted before anything becomes float */
-    double scale;    /* largest |coordinate - center| of the box */
-    double sagitta;
-    RTCDevice device;
-    RTCScene straight, curved;
-};
 
 /* One query: what the callbacks need beside Embree's float ray. */
 typedef struct query {
@@ -138,8 +124,7 @@ void cpm_geometry_free(cpm_geometry *g) {
 
 /* ------------------------------------------------------------------------------------------------ building */
 
-static void primitive_bounds(const cpm_geometry *g, size_t primitive, double grow, struct RTCBounds *o) {
-    double low[3], high[3], center[3] = {g->center.x, g->center.y, g->center.z};
+void cpm_primitive_box(const cpm_geometry *g, size_t primitive, double low[3], double high[3]) {
     if (primitive < g->triangle_count) {
         const cpm_triangle *t = &g->triangles[primitive];
         for (int k = 0; k < 3; k++) {
@@ -150,6 +135,11 @@ static void primitive_bounds(const cpm_geometry *g, size_t primitive, double gro
         const cpm_sphere *s = &g->spheres[primitive - g->triangle_count];
         for (int k = 0; k < 3; k++) low[k] = s->center[k] - s->radius, high[k] = s->center[k] + s->radius;
     }
+}
+
+static void primitive_bounds(const cpm_geometry *g, size_t primitive, double grow, struct RTCBounds *o) {
+    double low[3], high[3], center[3] = {g->center.x, g->center.y, g->center.z};
+    cpm_primitive_box(g, primitive, low, high);
     float f[6];
     for (int k = 0; k < 3; k++) {
         double margin = grow + 4.0 * ULP * (g->scale + fabs(low[k] - center[k]) + fabs(high[k] - center[k]));
@@ -163,11 +153,6 @@ static void primitive_bounds(const cpm_geometry *g, size_t primitive, double gro
 static void curve_bounds(const struct RTCBoundsFunctionArguments *args) {
     const cpm_geometry *g = args->geometryUserPtr;
     primitive_bounds(g, args->primID, g->sagitta, args->bounds_o);
-}
-
-static void sphere_bounds(const struct RTCBoundsFunctionArguments *args) {
-    const cpm_geometry *g = args->geometryUserPtr;
-    primitive_bounds(g, g->triangle_count + args->primID, 0.0, args->bounds_o);
 }
 
 /* Tests the query's curve against one primitive; shortens Embree's ray to the best so far. */
@@ -200,29 +185,6 @@ static void curve_intersect(const struct RTCIntersectFunctionNArguments *args) {
     test_primitive((query *)(void *)args->context, args->primID, (struct RTCRayHit *)(void *)args->rayhit);
 }
 
-/* The same for any-hit queries. */
-static void sphere_occluded(const struct RTCOccludedFunctionNArguments *args) {
-    if (!args->valid[0]) return;
-    query *q = (query *)(void *)args->context;
-    struct RTCRay *ray = (struct RTCRay *)(void *)args->ray;
-    double t = cpm_curve_sphere(q->curve, &q->geometry->spheres[args->primID], 0, q->chord.a, (double)ray->tfar);
-    if (t > 0.0) ray->tfar = -INFINITY;
-}
-
-/* Spheres among Embree's triangles: the straight ray in double; t is in metres there, as the query's curve is. */
-static void sphere_intersect(const struct RTCIntersectFunctionNArguments *args) {
-    if (!args->valid[0]) return;
-    query *q = (query *)(void *)args->context;
-    struct RTCRayHit *rayhit = (struct RTCRayHit *)(void *)args->rayhit;
-    size_t primitive = q->geometry->triangle_count + args->primID;
-    double t = cpm_curve_sphere(q->curve, &q->geometry->spheres[args->primID], (int32_t)primitive == q->left, q->chord.a,
-                                (double)rayhit->ray.tfar);
-    if (!(t > 0.0)) return;
-    rayhit->ray.tfar = (float)t;
-    rayhit->hit.geomID = 1;
-    rayhit->hit.primID = args->primID;
-}
-
 static cpm_status embree_failed(cpm_context *context, cpm_geometry *g) {
     return cpm_fail(context, CPM_ERROR_BACKEND, "Embree failed with code %d while building the scene",
                     (int)rtcGetDeviceError(g->device));
@@ -243,49 +205,6 @@ static cpm_status build_curved(cpm_context *context, cpm_geometry *g) {
     return rtcGetDeviceError(g->device) == RTC_ERROR_NONE ? CPM_OK : embree_failed(context, g);
 }
 
-static cpm_status build_straight(cpm_context *context, cpm_geometry *g) {
-    g->straight = rtcNewScene(g->device);
-    rtcSetSceneFlags(g->straight, RTC_SCENE_FLAG_ROBUST);
-    if (g->triangle_count) {
-        RTCGeometry mesh = rtcNewGeometry(g->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-        float *vertices = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12,
-                                                  3 * g->triangle_count);
-        unsigned *faces = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12,
-                                                  g->triangle_count);
-        if (!vertices || !faces) {
-            rtcReleaseGeometry(mesh);
-            return embree_failed(context, g);
-        }
-        double center[3] = {g->center.x, g->center.y, g->center.z};
-        for (size_t i = 0; i < g->triangle_count; i++) {
-            const cpm_triangle *t = &g->triangles[i];
-            for (int k = 0; k < 3; k++) {
-                double a = t->corner[k] - center[k];
-                vertices[9 * i + (size_t)k] = (float)a;
-                vertices[9 * i + 3 + (size_t)k] = (float)(a + t->edge1[k]);
-                vertices[9 * i + 6 + (size_t)k] = (float)(a + t->edge2[k]);
-                faces[3 * i + (size_t)k] = (unsigned)(3 * i + (size_t)k);
-            }
-        }
-        rtcCommitGeometry(mesh);
-        rtcAttachGeometryByID(g->straight, mesh, 0);
-        rtcReleaseGeometry(mesh);
-    }
-    if (g->sphere_count) {
-        RTCGeometry balls = rtcNewGeometry(g->device, RTC_GEOMETRY_TYPE_USER);
-        rtcSetGeometryUserPrimitiveCount(balls, (unsigned)g->sphere_count);
-        rtcSetGeometryUserData(balls, g);
-        rtcSetGeometryBoundsFunction(balls, sphere_bounds, NULL);
-        rtcSetGeometryIntersectFunction(balls, sphere_intersect);
-        rtcSetGeometryOccludedFunction(balls, sphere_occluded);
-        rtcCommitGeometry(balls);
-        rtcAttachGeometryByID(g->straight, balls, 1);
-        rtcReleaseGeometry(balls);
-    }
-    rtcCommitScene(g->straight);
-    return rtcGetDeviceError(g->device) == RTC_ERROR_NONE ? CPM_OK : embree_failed(context, g);
-}
-
 cpm_status cpm_geometry_prepare(cpm_context *context, cpm_geometry *g, int straight, int curved) {
     if (!(g->triangle_count + g->sphere_count)) return CPM_OK;
     if (!g->device) {
@@ -299,7 +218,7 @@ cpm_status cpm_geometry_prepare(cpm_context *context, cpm_geometry *g, int strai
         cpm_status status = build_curved(context, g);
         if (status) return status;
     }
-    return straight && !g->straight ? build_straight(context, g) : CPM_OK;
+    return straight && !g->straight ? cpm_straight_build(context, g) : CPM_OK;
 }
 
 /* ------------------------------------------------------------------------------------------------- asking */
@@ -318,7 +237,7 @@ static void set_ray(struct RTCRayHit *rayhit, cpm_vec origin, cpm_vec direction,
 }
 
 /* The part [enter, leave] of o + t d inside the box grown by `grow`; 0: none. */
-static int clip_to_box(const cpm_geometry *g, cpm_vec o, cpm_vec d, double grow, double *enter, double *leave) {
+int cpm_clip_to_box(const cpm_geometry *g, cpm_vec o, cpm_vec d, double grow, double *enter, double *leave) {
     const double *low = g->box.low, *high = g->box.high;
     double origin[3] = {o.x, o.y, o.z}, direction[3] = {d.x, d.y, d.z};
     for (int k = 0; k < 3; k++) {
@@ -355,7 +274,7 @@ void cpm_geometry_curve(const cpm_geometry *g, const cpm_curve *curve, double th
         double a = theta_end * i / chords, b = i + 1.0 < chords ? theta_end * (i + 1.0) / chords : theta_end;
         cpm_vec end = cpm_curve_at(curve, b), chord = cpm_sub(end, start);
         double enter = 0.0, leave = 1.0; /* cut to the scene's box: fewer queries, and float sees small numbers */
-        if (clip_to_box(g, start, chord, grow, &enter, &leave)) {
+        if (cpm_clip_to_box(g, start, chord, grow, &enter, &leave)) {
             struct RTCRayHit rayhit;
             set_ray(&rayhit, cpm_sub(cpm_along(start, enter, chord), g->center), cpm_scaled(leave - enter, chord),
                     0.0f, 1.0f);
@@ -371,70 +290,6 @@ void cpm_geometry_curve(const cpm_geometry *g, const cpm_curve *curve, double th
     if (hit->primitive >= 0) hit->position = cpm_curve_at(curve, hit->t);
 }
 
-static void straight_exact(const cpm_geometry *g, const query *from, double leave, double slack, cpm_hit *hit) {
-    cpm_curve line = *from->curve;
-    line.c[1] = cpm_scaled(leave, line.c[1]);
-    cpm_geometry_curve(g, &line, 1.0, from->left, slack / leave, from->filter, hit);
-    hit->t *= leave;
-}
-
-void cpm_geometry_straight(const cpm_geometry *g, cpm_vec origin, cpm_vec direction, int32_t left, double slack,
-                           const cpm_filter *filter, int exact, cpm_hit *hit) {
-    hit->primitive = -1;
-    double enter = -slack, leave = INFINITY;
-    if (!g->curved || !clip_to_box(g, origin, direction, 1e-12 * g->scale, &enter, &leave) || !(leave > 0.0)) return;
-
-    query q;
-    q.geometry = g;
-    cpm_curve line;
-    line.degree = 1;
-    line.c[0] = origin, line.c[1] = direction;
-    q.curve = &line;
-    q.left = left;
-    q.filter = filter;
-    double reach = leave + 1e-9 * (leave + g->scale);
-    if (exact || slack > 0.0 || !g->straight) {
-        straight_exact(g, &q, reach, slack, hit);
-        return;
-    }
-    q.chord.a = 0.0;
-    cpm_embree_context_init(&q.base);
-    cpm_vec local = cpm_sub(origin, g->center);
-    double size = cpm_max(g->scale, cpm_max(fabs(local.x), cpm_max(fabs(local.y), fabs(local.z))));
-    struct RTCRayHit rayhit;
-    set_ray(&rayhit, local, direction, left >= 0 ? (float)(START_ULPS * ULP * size) : 0.0f, (float)reach * 1.0001f);
-    cpm_embree_intersect(g->straight, &q.base, &rayhit);
-
-    int32_t primitive = -1;
-    if (rayhit.hit.geomID == 0) primitive = (int32_t)rayhit.hit.primID;
-    else if (rayhit.hit.geomID == 1) primitive = (int32_t)(g->triangle_count + rayhit.hit.primID);
-    if (primitive < 0 || (primitive == left && (size_t)primitive < g->triangle_count)) {
-        straight_exact(g, &q, reach, slack, hit); /* a miss, or itself: float's word is not enough */
-        return;
-    }
-    hit->primitive = primitive;
-    if ((size_t)primitive < g->triangle_count) { /* polish on the plane, in double */
-        const cpm_triangle *t = &g->triangles[primitive];
-        cpm_vec n = cpm_v(t->normal[0], t->normal[1], t->normal[2]);
-        cpm_vec corner = cpm_v(t->corner[0], t->corner[1], t->corner[2]);
-        hit->t = cpm_vdot(cpm_sub(corner, origin), n) / cpm_vdot(direction, n);
-        hit->position = cpm_along(origin, hit->t, direction);
-        if (!(hit->t > 0.0) || !isfinite(hit->t)) {
-            straight_exact(g, &q, reach, slack, hit);
-            return;
-        }
-        cpm_triangle_contains(t, hit->position, &hit->u, &hit->v);
-        if (!(cpm_min(hit->u, cpm_min(hit->v, 1.0 - hit->u - hit->v)) > -t->near_edge))
-            straight_exact(g, &q, reach, slack, hit);
-    } else {
-        hit->t = cpm_curve_sphere(q.curve, &g->spheres[(size_t)primitive - g->triangle_count], primitive == left, 0.0,
-                                  (double)rayhit.ray.tfar * 1.001);
-        hit->u = hit->v = 0.0;
-        hit->position = cpm_along(origin, hit->t, direction);
-        if (!(hit->t > 0.0)) straight_exact(g, &q, reach, slack, hit);
-    }
-}
-
 cpm_vec cpm_geometry_step_back(const cpm_geometry *g, const cpm_hit *hit, cpm_vec start, cpm_vec came) {
     return scatter_step_back(hit->position, start, came, g->scale);
 }
@@ -443,23 +298,6 @@ int cpm_geometry_near_edge(const cpm_geometry *g, const cpm_hit *hit) {
     if ((size_t)hit->primitive >= g->triangle_count) return 1;
     double least = cpm_min(hit->u, cpm_min(hit->v, 1.0 - hit->u - hit->v));
     return !(least > g->triangles[hit->primitive].near_edge);
-}
-
-int cpm_geometry_between(const cpm_geometry *g, cpm_vec a, cpm_vec b) {
-    query q;
-    struct RTCRayHit rayhit;
-    if (!g->straight) return 0;
-    cpm_embree_context_init(&q.base);
-    q.geometry = g;
-    cpm_curve line;
-    line.degree = 1;
-    line.c[0] = a, line.c[1] = cpm_sub(b, a);
-    q.curve = &line;
-    q.left = -1;
-    q.chord.a = 0.0;
-    set_ray(&rayhit, cpm_sub(a, g->center), line.c[1], 0.0f, 1.0f);
-    cpm_embree_occluded(g->straight, &q.base, &rayhit.ray);
-    return rayhit.ray.tfar < 0.0f;
 }
 
 const char *cpm_geometry_embree_version(void) {

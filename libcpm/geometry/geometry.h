@@ -48,6 +48,16 @@ typedef struct cpm_filter {
 void cpm_geometry_straight(const cpm_geometry *geometry, cpm_vec origin, cpm_vec direction, int32_t left, double slack,
                            const cpm_filter *filter, int exact, cpm_hit *hit);
 
+/* The same for many rays, four to a call of Embree: no answer depends on what is asked beside it. */
+typedef struct cpm_straight_ray {
+    const cpm_vec *origin, *direction;
+    int32_t left, exact;
+    double slack;
+    const cpm_filter *filter;
+    cpm_hit *hit;
+} cpm_straight_ray;
+void cpm_geometry_straight_many(const cpm_geometry *geometry, const cpm_straight_ray *rays, size_t count);
+
 /* First hit of the curve for theta in (0, theta_end]; `left` and `slack` (in theta) as above. */
 void cpm_geometry_curve(const cpm_geometry *geometry, const cpm_curve *curve, double theta_end, int32_t left,
                         double slack, const cpm_filter *filter, cpm_hit *hit);
