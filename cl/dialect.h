@@ -56,6 +56,9 @@ typedef long cpm_i64;
 #include <stddef.h>
 #include <stdint.h>
 #include <string.h>
+#if defined(__SSE2__) && CPM_WIDTH > 1
+#include <immintrin.h>
+#endif
 #define CPM_GLOBAL
 #define CPM_CONSTANT_TABLE static const
 typedef uint32_t cpm_u32;
@@ -155,7 +158,8 @@ static inline void store_lanes(real v, scalar *p, size_t i) { memcpy(p + i * CPM
 #endif /* ------------------------------------------------------------------------------------------------ both sides  \
         */
 
-/* A `word` is CPM_WIDTH unsigned integers of 64 bits, for random bits: products of 32 bits fit. In memory they are 32. */
+/* A `word` is CPM_WIDTH unsigned integers of 64 bits, for random bits: products of 32 bits fit. In memory they are 32.
+ * word_product takes words below 2^32, and a number below 2^32. */
 #if CPM_WIDTH == 1
 typedef cpm_u64 word;
 #define splat_word(s) ((word)(s))
@@ -163,6 +167,7 @@ typedef cpm_u64 word;
 #define load_words(p, part) ((word)(p)[part])
 #define store_words(w, p, part) ((p)[part] = (cpm_u32)(w))
 #define word_reals(w) ((real)(w))
+#define word_product(a, b) ((word)(a) * (b))
 #elif defined(__OPENCL_VERSION__)
 typedef CPM_GLUE(ulong, CPM_WIDTH) word;
 #define splat_word(s) ((word)((ulong)(s)))
@@ -170,11 +175,21 @@ typedef CPM_GLUE(ulong, CPM_WIDTH) word;
 #define load_words(p, part) CPM_GLUE(convert_ulong, CPM_WIDTH)(CPM_GLUE(vload, CPM_WIDTH)(part, p))
 #define store_words(w, p, part) CPM_GLUE(vstore, CPM_WIDTH)(CPM_GLUE(convert_uint, CPM_WIDTH)(w), part, p)
 #define word_reals(w) CPM_GLUE(convert_, CPM_GLUE(CPM_SCALAR, CPM_WIDTH))(w)
+#define word_product(a, b) ((a) * (b))
 #else
 typedef cpm_u64 word __attribute__((vector_size(CPM_WIDTH * 8)));
 typedef cpm_i64 cpm_word_signs __attribute__((vector_size(CPM_WIDTH * 8)));
 typedef cpm_u32 cpm_half_words __attribute__((vector_size(CPM_WIDTH * 4)));
 #define splat_word(s) ((cpm_u64)(s) + (word){0})
+#if defined(__AVX512F__) && CPM_WIDTH == 8 /* gcc does not see that 32 x 32 bits is all that is asked */
+#define word_product(a, b) ((word)_mm512_mul_epu32((__m512i)(a), (__m512i)splat_word(b)))
+#elif defined(__AVX2__) && CPM_WIDTH == 4
+#define word_product(a, b) ((word)_mm256_mul_epu32((__m256i)(a), (__m256i)splat_word(b)))
+#elif defined(__SSE2__) && CPM_WIDTH == 2
+#define word_product(a, b) ((word)_mm_mul_epu32((__m128i)(a), (__m128i)splat_word(b)))
+#else
+#define word_product(a, b) ((a) * (cpm_u64)(b))
+#endif
 #define to_words(m) ((word)__builtin_convertvector(m, cpm_word_signs))
 static inline word load_words(const cpm_u32 *p, int part) {
     cpm_half_words v;

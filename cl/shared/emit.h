@@ -36,18 +36,19 @@ CPM_INLINE real emit_delta(const cpm_emitter_data *e, CPM_GLOBAL const double *c
                            CPM_GLOBAL const float *weight, word index, real3 *direction) {
     real u = emit_even(e, index, 0), v = emit_even(e, index, 1), power = splat(1.0);
     if (e->rows) {
-        double wanted[CPM_WIDTH], row[CPM_WIDTH], column[CPM_WIDTH], share[CPM_WIDTH];
+        double wanted[CPM_WIDTH], chosen[CPM_WIDTH], share[CPM_WIDTH];
         const size_t cells = (size_t)e->rows * (size_t)e->columns;
         store_doubles(emit_walked(e, index), wanted, 0);
         for (int i = 0; i < CPM_WIDTH; i++) {
             size_t part = (size_t)(wanted[i] * (double)cells);
             size_t cell = (size_t)guide[part < cells ? part : cells - 1];
             while (cell + 1 < cells && cumulative[cell + 1] <= wanted[i]) cell++;
-            row[i] = (double)((cpm_i32)cell / e->columns), column[i] = (double)((cpm_i32)cell % e->columns);
+            chosen[i] = (double)(cpm_i32)cell;
             share[i] = (double)weight[cell];
         }
-        u = (load_doubles(row, 0) + u) / R(e->rows);
-        v = (load_doubles(column, 0) + v) / R(e->columns);
+        real cell = load_doubles(chosen, 0), row = floor_lanes((cell + R(0.5)) / R(e->columns)); /* far from rounding */
+        u = (row + u) / R(e->rows);
+        v = ((cell - row * R(e->columns)) + v) / R(e->columns);
         power = load_doubles(share, 0);
     }
     real3 axis = triple(splat(e->axis[0]), splat(e->axis[1]), splat(e->axis[2]));

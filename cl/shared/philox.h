@@ -12,10 +12,10 @@
 #define CPM_STREAM_EYE 2u     /* where in its pixel an eye ray starts */
 
 /* The ten rounds, of 64-bit integers that hold 32 bits each: `type` is cpm_u64 or word. */
-#define CPM_PHILOX_ROUNDS(type, seed, c0, c1, c2, c3)                                                                  \
+#define CPM_PHILOX_ROUNDS(type, product, seed, c0, c1, c2, c3)                                                         \
     cpm_u32 key0 = (cpm_u32)(seed), key1 = (cpm_u32)((seed) >> 32);                                                    \
     for (int round = 0; round < 10; round++) {                                                                         \
-        type low = c0 * CPM_U64(0xD2511F53), high = c2 * CPM_U64(0xCD9E8D57);                                          \
+        type low = product(c0, CPM_U64(0xD2511F53)), high = product(c2, CPM_U64(0xCD9E8D57));                          \
         c0 = (high >> 32) ^ c1 ^ (cpm_u64)key0;                                                                        \
         c1 = high & CPM_U64(0xFFFFFFFF);                                                                               \
         c2 = (low >> 32) ^ c3 ^ (cpm_u64)key1;                                                                         \
@@ -24,13 +24,15 @@
         key1 += 0xBB67AE85u;                                                                                           \
     }
 
+#define CPM_PRODUCT(a, b) ((a) * (b))
+
 typedef struct cpm_random {
     cpm_u32 v[4];
 } cpm_random;
 
 CPM_INLINE cpm_random cpm_philox(cpm_u64 seed, cpm_u32 path, cpm_u32 block, cpm_u32 stream, cpm_u32 bin) {
     cpm_u64 c0 = path, c1 = block, c2 = stream, c3 = bin;
-    CPM_PHILOX_ROUNDS(cpm_u64, seed, c0, c1, c2, c3)
+    CPM_PHILOX_ROUNDS(cpm_u64, CPM_PRODUCT, seed, c0, c1, c2, c3)
     cpm_random r;
     r.v[0] = (cpm_u32)c0, r.v[1] = (cpm_u32)c1, r.v[2] = (cpm_u32)c2, r.v[3] = (cpm_u32)c3;
     return r;
@@ -42,7 +44,7 @@ CPM_INLINE double cpm_uniform(cpm_u32 bits) { return ((double)bits + 0.5) * (1.0
 /* Both of lanes; every counter below 2^32. */
 CPM_INLINE void philox_lanes(cpm_u64 seed, word path, word block, cpm_u32 stream, word bin, word random[4]) {
     word c0 = path, c1 = block, c2 = splat_word(stream), c3 = bin;
-    CPM_PHILOX_ROUNDS(word, seed, c0, c1, c2, c3)
+    CPM_PHILOX_ROUNDS(word, word_product, seed, c0, c1, c2, c3)
     random[0] = c0, random[1] = c1, random[2] = c2, random[3] = c3;
 }
 #if CPM_SINGLE /* 2^23 cells: their middles are floats */

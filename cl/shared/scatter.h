@@ -53,8 +53,12 @@ CPM_INLINE real scatter_boundary(real3 came, real3 shading, real3 geometric, rea
 CPM_INLINE real3 scatter_step_back(real3 hit, real3 start, real3 came, double scale) {
     real size = R(scale) + magnitude(hit.x) + magnitude(hit.y) + magnitude(hit.z);
     real3 way = sub3(hit, start);
-    real far = R(CPM_STEP_BACK) * size, half_way = R(0.5) * root(dot3(way, way));
-    return add3(hit, -pick(less(far, half_way), far, half_way), came);
+    real back = R(CPM_STEP_BACK) * size, squared = dot3(way, way);
+    if (any_lane(less(squared, R(16.0) * back * back))) { /* seldom: spares the rest a root */
+        real half_way = R(0.5) * root(squared);
+        back = pick(less(back, half_way), back, half_way);
+    }
+    return add3(hit, -back, came);
 }
 
 /* Roulette over one bin: returns its power after it; `kept` is what the surface reflects, `change` what roulette adds

@@ -43,11 +43,11 @@ CPM_INLINE word reverse_bits(word x) {
  * bits of x, from the last to the first. */
 CPM_INLINE word owen_scramble(word reversed, cpm_u32 seed) {
     word x = reversed;
-    x ^= CPM_32(x * CPM_U64(0x3d20adea));
+    x ^= CPM_32(word_product(x, CPM_U64(0x3d20adea)));
     x = CPM_32(x + (cpm_u64)seed);
-    x = CPM_32(x * (cpm_u64)((seed >> 16) | 1u));
-    x ^= CPM_32(x * CPM_U64(0x05526c56));
-    x ^= CPM_32(x * CPM_U64(0x53a22864));
+    x = CPM_32(word_product(x, (cpm_u64)((seed >> 16) | 1u)));
+    x ^= CPM_32(word_product(x, CPM_U64(0x05526c56)));
+    x ^= CPM_32(word_product(x, CPM_U64(0x53a22864)));
     return reverse_bits(x);
 }
 

@@ -5,17 +5,15 @@
 #include "half.h"
 #include "octahedral.h"
 
-/* `at`: from the map's origin. The spectrum's index is the caller's to fill in. */
-CPM_INLINE cpm_photon cpm_photon_pack(cpm_vec at, cpm_u32 direction, cpm_u32 normal, cpm_u32 path, cpm_u32 bounce,
-                                      cpm_i32 bin) {
-    cpm_photon photon;
-    photon.position[0] = (float)at.x, photon.position[1] = (float)at.y, photon.position[2] = (float)at.z;
-    photon.direction = direction, photon.normal = normal;
-    photon.spectrum = 0;
-    photon.path = path;
-    photon.bin = (unsigned short)(bin < 0 ? CPM_ALL_BINS : (cpm_u32)bin);
-    photon.bounce = (unsigned short)bounce;
-    return photon;
+/* `at`: from the map's origin; `spectrum`: index of its first power. */
+CPM_INLINE void cpm_photon_pack(CPM_GLOBAL cpm_photon *photon, cpm_vec at, cpm_u32 direction, cpm_u32 normal,
+                                cpm_u32 spectrum, cpm_u32 path, cpm_u32 bounce, cpm_i32 bin) {
+    photon->position[0] = (float)at.x, photon->position[1] = (float)at.y, photon->position[2] = (float)at.z;
+    photon->direction = direction, photon->normal = normal;
+    photon->spectrum = spectrum;
+    photon->path = path;
+    photon->bin = (unsigned short)(bin < 0 ? CPM_ALL_BINS : (cpm_u32)bin);
+    photon->bounce = (unsigned short)bounce;
 }
 
 /* Halves are rounded up or down at random, by what is cut off, so that sums of many keep their mean: all photons of a

@@ -29,11 +29,12 @@ static word indices_from(uint64_t first) {
     return load_words(index, 0);
 }
 
-static void emit_delta_block(const cpm_emitter_data *e, const double *cumulative, const int32_t *guide,
+static void emit_delta_block(const cpm_emitter_data *given, const double *cumulative, const int32_t *guide,
                              const float *weight, uint64_t index, size_t count, cpm_emissions *out) {
+    const cpm_emitter_data e = *given; /* in registers: what is stored below does not change it */
     for (int part = 0; part < LANES_OF(count); part++) {
         real3 direction;
-        real power = emit_delta(e, cumulative, guide, weight, indices_from(index + (uint64_t)(part * CPM_WIDTH)),
+        real power = emit_delta(&e, cumulative, guide, weight, indices_from(index + (uint64_t)(part * CPM_WIDTH)),
                                 &direction);
         store_doubles(power, out->weight, part);
         store_block(direction, out->direction, part);

@@ -37,7 +37,7 @@ static int claim(size_t *count, size_t capacity, size_t run, size_t *next, size_
     return *end <= capacity;
 }
 
-uint16_t *cpm_store_photon(cpm_store_part *part, const cpm_photon *photon, size_t bins) {
+cpm_photon *cpm_store_place(cpm_store_part *part, size_t bins, uint32_t *spectrum) {
     cpm_store *s = part->store;
     if (part->next == part->end) {
         if (!claim(&s->count, s->capacity, RUN, &part->next, &part->end)) {
@@ -53,12 +53,9 @@ uint16_t *cpm_store_photon(cpm_store_part *part, const cpm_photon *photon, size_
         }
         cpm_pages_expect(s->spectra + part->spectra_next, SPECTRA_RUN * sizeof *s->spectra);
     }
-    cpm_photon *to = &s->photons[part->next++];
-    *to = *photon;
-    to->spectrum = (unsigned)part->spectra_next;
-    uint16_t *powers = &s->spectra[part->spectra_next];
+    *spectrum = (uint32_t)part->spectra_next;
     part->spectra_next += bins;
-    return powers;
+    return &s->photons[part->next++];
 }
 
 /* Is a place one that a part has left open? */

@@ -25,8 +25,8 @@ typedef struct cpm_store_part {
 
 /* Room for `bytes` of photons and as much of spectra, or what the system grants. 0: out of memory. */
 int cpm_store_open(cpm_store *store, uint64_t bytes);
-/* A place for a photon of so many bins: copies it there, and returns where its spectrum goes. NULL: no room. */
-uint16_t *cpm_store_photon(cpm_store_part *part, const cpm_photon *photon, size_t bins);
+/* Where a photon of so many bins goes, and the index of its spectrum. NULL: no room. */
+cpm_photon *cpm_store_place(cpm_store_part *part, size_t bins, uint32_t *spectrum);
 /* Joins the parts, so that photons are [0, count). */
 void cpm_store_close(cpm_store *store, const cpm_store_part *parts, size_t part_count);
 void cpm_store_free(cpm_store *store);

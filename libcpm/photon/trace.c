@@ -46,7 +46,7 @@ typedef struct task { /* one thread's */
     uint64_t segments, lost, emitted, stored_bytes;
     double evaluations;
     crowd now, next;
-    cpm_arrival *arrivals; /* of `now` */
+    cpm_arrival *arrivals; /* of a part of `now` */
     size_t arrival_capacity;
     union { /* scratch of one block */
         struct {
@@ -146,25 +146,26 @@ static int roulette(task *t, const cpm_flight *flight, int32_t material, const f
 static void store(task *t, const walker *w, const cpm_flight *flight, const cpm_arrival *a, uint32_t direction,
                   uint32_t normal, const float *powers) {
     const int population = w->direct ? CPM_DIRECT : w->specular ? CPM_CAUSTIC : CPM_LATER;
-    const cpm_photon photon =
-        cpm_photon_pack(cpm_sub(a->hit.position, t->origin), direction, normal, w->path, w->bounce, flight->bin);
     size_t first, count = carried(t, flight, &first);
-    uint16_t *spectrum = cpm_store_photon(&t->parts[population], &photon, count);
-    if (!spectrum) {
+    uint32_t index;
+    cpm_photon *photon = cpm_store_place(&t->parts[population], count, &index);
+    if (!photon) {
         t->failed = 1;
         return;
     }
-    t->code->halves(powers, count, cpm_dither_start(photon.path, photon.bounce, photon.bin), t->dither, spectrum);
-    t->stored_bytes += sizeof photon + count * sizeof *spectrum;
+    cpm_photon_pack(photon, cpm_sub(a->hit.position, t->origin), direction, normal, index, w->path, w->bounce, flight->bin);
+    uint16_t *spectrum = &t->parts[population].store->spectra[index];
+    t->code->halves(powers, count, cpm_dither_start(w->path, w->bounce, photon->bin), t->dither, spectrum);
+    t->stored_bytes += sizeof *photon + count * sizeof *spectrum;
 }
 
-/* Paths of a block, by number, which have met something diffuse or black. */
-static void meet_diffuse(task *t, const size_t *met, size_t count) {
+/* Those of paths first.. of `now`, by number, which have met something diffuse or black: at most a block. */
+static void meet_diffuse(task *t, size_t first, const size_t *met, size_t count) {
     const cpm_scene *scene = t->pass->scene;
     cpm_meetings *m = &t->block.meetings;
     for (size_t k = 0; k < count; k++) {
-        const walker *w = &t->now.walkers[met[k]];
-        const cpm_flight *f = &t->now.flights[met[k]];
+        const walker *w = &t->now.walkers[first + met[k]];
+        const cpm_flight *f = &t->now.flights[first + met[k]];
         const cpm_arrival *a = &t->arrivals[met[k]];
         const cpm_facet facet = cpm_facet_of(scene, &a->hit);
         m->came[0][k] = a->direction.x, m->came[1][k] = a->direction.y, m->came[2][k] = a->direction.z;
@@ -178,10 +179,10 @@ static void meet_diffuse(task *t, const size_t *met, size_t count) {
     }
     t->code->meet(t->seed, cpm_geometry_scale(t->pass->geometry), count, m);
     for (size_t k = 0; k < count && !t->failed; k++) {
-        walker *w = &t->now.walkers[met[k]];
-        cpm_flight *f = &t->now.flights[met[k]];
+        const walker *w = &t->now.walkers[first + met[k]];
+        const cpm_flight *f = &t->now.flights[first + met[k]];
         const cpm_arrival *a = &t->arrivals[met[k]];
-        const float *powers = &t->now.powers[met[k] * t->now.bins];
+        const float *powers = &t->now.powers[(first + met[k]) * t->now.bins];
         const int32_t material = scene->shapes[cpm_primitive_shape(scene, a->hit.primitive)].material;
         store(t, w, f, a, m->direction_code[k], m->normal_code[k], powers);
         if (scene->materials[material].kind == CPM_MATERIAL_BLACK) {
@@ -189,14 +190,19 @@ static void meet_diffuse(task *t, const size_t *met, size_t count) {
             continue;
         }
         if (!roulette(t, f, material, powers, m->chance[k])) continue;
-        w->specular = 0;
-        another_bounce(w);
-        f->position = cpm_v(m->from[0][k], m->from[1][k], m->from[2][k]);
-        f->direction = cpm_v(m->toward[0][k], m->toward[1][k], m->toward[2][k]);
-        f->left = a->hit.primitive;
-        f->exact = cpm_geometry_near_edge(t->pass->geometry, &a->hit);
-        f->crossing = 0;
-        survive(t, w, f);
+        /* field by field where they belong: a copy of what has just been written would wait for it */
+        walker *next = &t->next.walkers[t->next.count];
+        cpm_flight *to = &t->next.flights[t->next.count++];
+        next->path = w->path;
+        next->bounce = (uint16_t)(w->bounce + 1);
+        next->crossings = next->specular = next->direct = 0;
+        to->position = cpm_v(m->from[0][k], m->from[1][k], m->from[2][k]);
+        to->direction = cpm_v(m->toward[0][k], m->toward[1][k], m->toward[2][k]);
+        to->region = f->region;
+        to->left = a->hit.primitive;
+        to->bin = f->bin;
+        to->exact = cpm_geometry_near_edge(t->pass->geometry, &a->hit);
+        to->crossing = 0;
     }
 }
 
@@ -245,11 +251,10 @@ static void meet_boundary(task *t, walker *w, const cpm_flight *f, const cpm_arr
 }
 
 /* What a path does where it has arrived; 1: it has met something diffuse or black, to be dealt with in a block. */
-static int arrive(task *t, size_t number) {
+static int arrive(task *t, size_t number, const cpm_arrival *a) {
     const cpm_scene *scene = t->pass->scene;
     walker *w = &t->now.walkers[number];
     const cpm_flight *f = &t->now.flights[number];
-    const cpm_arrival *a = &t->arrivals[number];
     const float *powers = &t->now.powers[number * t->now.bins];
     t->evaluations += a->evaluations;
     if (a->status != CPM_RAY_HIT || w->bounce >= MAX_BOUNCES || w->crossings == UINT16_MAX) {
@@ -275,15 +280,19 @@ static void emit_block(task *t, const cpm_emitter *e, uint64_t path, size_t coun
     cpm_emit(t->pass, e, path, count, &t->block.emission.made, flights, weights);
     for (size_t i = 0; i < count && !t->failed; i++) {
         if (!(weights[i] > 0.0f)) continue;
-        walker w = {.path = (uint32_t)(path + i), .direct = 1};
         float *powers = next_powers(t);
         if (!powers) return;
         t->code->power(weights[i], e->weight, bins, powers, &t->energy[CPM_EMITTED * bins]);
         t->emitted++;
         if (!t->pass->disperses[cpm_region_medium(&flights[i].region)]) {
-            survive(t, &w, &flights[i]);
+            walker *w = &t->next.walkers[t->next.count];
+            t->next.flights[t->next.count++] = flights[i];
+            w->path = (uint32_t)(path + i);
+            w->bounce = w->crossings = w->specular = 0;
+            w->direct = 1;
             continue;
         }
+        const walker w = {.path = (uint32_t)(path + i), .direct = 1};
         float each[CPM_MAX_BINS];
         memcpy(each, powers, bins * sizeof *each);
         for (size_t b = 0; b < bins; b++) {
@@ -306,13 +315,27 @@ static void emit_batch(task *t, uint64_t first, uint64_t end) {
     }
 }
 
-static int arrivals_reserve(task *t) {
-    if (t->now.count <= t->arrival_capacity) return 1;
+static int arrivals_reserve(task *t, size_t count) {
+    if (count <= t->arrival_capacity) return 1;
     free(t->arrivals);
-    t->arrival_capacity = t->now.capacity;
-    t->arrivals = malloc(t->arrival_capacity * sizeof *t->arrivals);
+    t->arrival_capacity = count;
+    t->arrivals = malloc(count * sizeof *t->arrivals);
     if (!t->arrivals) t->failed = 1;
     return !t->failed;
+}
+
+/* Paths [first, first + count) of `now` fly to what they meet, and are dealt with there. */
+static void advance(task *t, size_t first, size_t count) {
+    size_t met[CPM_BLOCK], n = 0;
+    cpm_follow(t->pass, &t->now.flights[first], count, NULL, t->arrivals);
+    t->segments += count;
+    for (size_t i = 0; i < count && !t->failed; i++) {
+        if (arrive(t, first + i, &t->arrivals[i])) met[n++] = i;
+        if (n == CPM_BLOCK || (n && i + 1 == count)) {
+            meet_diffuse(t, first, met, n);
+            n = 0;
+        }
+    }
 }
 
 static void run_batch(task *t, uint64_t first, uint64_t end) {
@@ -323,17 +346,11 @@ static void run_batch(task *t, uint64_t first, uint64_t end) {
         t->now = t->next;
         t->next = swap;
         t->next.count = 0;
-        if (!arrivals_reserve(t)) return;
-        cpm_follow(t->pass, t->now.flights, t->now.count, NULL, t->arrivals);
-        t->segments += t->now.count;
-        size_t met[CPM_BLOCK], n = 0;
-        for (size_t i = 0; i < t->now.count && !t->failed; i++) {
-            if (arrive(t, i)) met[n++] = i;
-            if (n == CPM_BLOCK || (n && i + 1 == t->now.count)) {
-                meet_diffuse(t, met, n);
-                n = 0;
-            }
-        }
+        /* a block's arrivals stay in the nearest cache; integrated rays want many to fill their lanes */
+        const size_t share = t->pass->features & CPM_FEATURE_INTEGRATOR ? t->now.count : CPM_BLOCK;
+        if (!arrivals_reserve(t, share)) return;
+        for (size_t i = 0; i < t->now.count && !t->failed; i += share)
+            advance(t, i, t->now.count - i < share ? t->now.count - i : share);
     }
 }
 
