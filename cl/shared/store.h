@@ -28,16 +28,15 @@ CPM_INLINE cpm_u32 cpm_dither_start(cpm_u32 path, cpm_u32 bounce, cpm_u32 bin) {
 }
 CPM_INLINE cpm_u32 cpm_dither_next(cpm_u32 state) { return state * CPM_DITHER_STEP + CPM_DITHER_ADD; }
 
-/* Where 13 bits are cut off: from 2^-14 to 2^15 (and 0, which loses none). */
-CPM_INLINE int cpm_dithers(cpm_u32 bits) { return bits == 0u || bits - 0x38800000u <= 0x47000000u - 0x38800000u; }
-CPM_INLINE unsigned short cpm_dithered_bits(cpm_u32 bits, cpm_u32 state) {
-    cpm_u32 code = (bits + (state >> 19) - (112u << 23)) >> 13;
-    return (unsigned short)(bits ? code : 0u);
+/* Of the bits of a float from 2^-14 to 2^15, where 13 of them are cut off. */
+CPM_INLINE int cpm_half_dithers(cpm_u32 bits) { return bits - 0x38800000u <= 0x47000000u - 0x38800000u; }
+CPM_INLINE unsigned short cpm_half_bits_dithered(cpm_u32 bits, cpm_u32 state) {
+    return (unsigned short)((bits + (state >> 19) - (112u << 23)) >> 13);
 }
-/* Outside of that range to nearest. */
+/* Elsewhere to nearest. */
 CPM_INLINE unsigned short cpm_half_dithered(float power, cpm_u32 state) {
     cpm_float_bits x;
     x.value = power;
-    return cpm_dithers(x.bits) ? cpm_dithered_bits(x.bits, state) : cpm_half_from_float(power);
+    return cpm_half_dithers(x.bits) ? cpm_half_bits_dithered(x.bits, state) : cpm_half_from_float(power);
 }
 #endif

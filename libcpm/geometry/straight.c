@@ -11,7 +11,7 @@
 typedef struct query {
     cpm_embree_context base; /* first: Embree hands it back */
     const cpm_geometry *geometry;
-    const cpm_straight_ray *rays; /* one a lane */
+    const cpm_straight_ray *const *rays; /* one a lane */
 } query;
 
 static cpm_curve line_of(const cpm_straight_ray *ray) {
@@ -35,7 +35,7 @@ static void sphere_bounds(const struct RTCBoundsFunctionArguments *args) {
 
 /* Spheres among Embree's triangles: the straight ray in double, t in metres. Where it meets one before `far`; 0: nowhere. */
 static double sphere_hit(const query *q, unsigned lane, unsigned number, float far) {
-    const cpm_straight_ray *ray = &q->rays[lane];
+    const cpm_straight_ray *ray = q->rays[lane];
     const cpm_curve line = line_of(ray);
     const int32_t primitive = (int32_t)(q->geometry->triangle_count + number);
     return cpm_curve_sphere(&line, &q->geometry->spheres[number], primitive == ray->left, 0.0, (double)far);
@@ -175,7 +175,7 @@ static void set_lane(struct RTCRayHit4 *to, int lane, cpm_vec origin, cpm_vec di
 
 /* At most four rays by one call: Embree's setup is shared, each then walks the tree by itself (they are incoherent), so
  * that no ray's answer depends on its neighbours. */
-static void ask_four(const cpm_geometry *g, const cpm_straight_ray *rays, int count) {
+static void ask_four(const cpm_geometry *g, const cpm_straight_ray *const *rays, int count) {
     int valid[4] __attribute__((aligned(16))) = {0, 0, 0, 0};
     struct RTCRayHit4 four;
     query q;
@@ -183,19 +183,19 @@ static void ask_four(const cpm_geometry *g, const cpm_straight_ray *rays, int co
     q.geometry = g;
     q.rays = rays;
     for (int i = 0; i < count; i++) {
-        const cpm_vec local = cpm_sub(*rays[i].origin, g->center);
+        const cpm_vec local = cpm_sub(*rays[i]->origin, g->center);
         const double size = cpm_max(g->scale, cpm_max(fabs(local.x), cpm_max(fabs(local.y), fabs(local.z))));
-        set_lane(&four, i, local, *rays[i].direction, rays[i].left >= 0 ? (float)(START_ULPS * ULP * size) : 0.0f);
+        set_lane(&four, i, local, *rays[i]->direction, rays[i]->left >= 0 ? (float)(START_ULPS * ULP * size) : 0.0f);
         valid[i] = -1;
     }
     for (int i = count; i < 4; i++) set_lane(&four, i, cpm_v(0.0, 0.0, 0.0), cpm_v(0.0, 0.0, 1.0), 0.0f);
     cpm_embree_intersect4(valid, g->straight, &q.base, &four);
     for (int i = 0; i < count; i++)
-        settle(g, &rays[i], four.hit.geomID[i], four.hit.primID[i], four.ray.tfar[i]);
+        settle(g, rays[i], four.hit.geomID[i], four.hit.primID[i], four.ray.tfar[i]);
 }
 
 void cpm_geometry_straight_many(const cpm_geometry *g, const cpm_straight_ray *rays, size_t count) {
-    cpm_straight_ray waiting[4]; /* for float */
+    const cpm_straight_ray *waiting[4]; /* for float */
     int n = 0;
     for (size_t i = 0; i < count; i++) {
         rays[i].hit->primitive = -1;
@@ -204,7 +204,7 @@ void cpm_geometry_straight_many(const cpm_geometry *g, const cpm_straight_ray *r
             ask_exactly(g, &rays[i]);
             continue;
         }
-        waiting[n++] = rays[i];
+        waiting[n++] = &rays[i];
         if (n == 4) {
             ask_four(g, waiting, 4);
             n = 0;
@@ -223,10 +223,10 @@ int cpm_geometry_between(const cpm_geometry *g, cpm_vec a, cpm_vec b) {
     query q;
     if (!g->straight) return 0;
     const cpm_vec way = cpm_sub(b, a), local = cpm_sub(a, g->center);
-    const cpm_straight_ray line = {.origin = &a, .direction = &way, .left = -1};
+    const cpm_straight_ray line = {.origin = &a, .direction = &way, .left = -1}, *only = &line;
     cpm_embree_context_init(&q.base);
     q.geometry = g;
-    q.rays = &line;
+    q.rays = &only;
     struct RTCRay ray = {.org_x = (float)local.x, .org_y = (float)local.y, .org_z = (float)local.z,
                          .dir_x = (float)way.x, .dir_y = (float)way.y, .dir_z = (float)way.z,
                          .tfar = 1.0f, .mask = 0xFFFFFFFFu};

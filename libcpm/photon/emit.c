@@ -59,34 +59,30 @@ static cpm_status prepare_area(const cpm_pass *pass, cpm_emitter *e, uint64_t se
 
 static cpm_vec of_block(double (*p)[CPM_BLOCK], size_t i) { return cpm_v(p[0][i], p[1][i], p[2][i]); }
 
-void cpm_emit(const cpm_pass *pass, const cpm_emitter *e, uint64_t path, size_t count, cpm_emissions *made,
-              cpm_flight *flights, float *weights) {
+size_t cpm_emit(const cpm_pass *pass, const cpm_emitter *e, uint64_t path, size_t count, cpm_emissions *made,
+                cpm_flight *flights, uint32_t *paths, float *weights) {
     const cpm_pass_code *code = cpm_pass_code_chosen();
     const cpm_projection *p = &e->projection;
     const uint64_t index = path - e->first;
-    if (e->light->kind == CPM_LIGHT_AREA)
-        code->emit_area(&e->data, triangles_of(pass, e), e->area, index, count, made);
-    else
-        code->emit_delta(&e->data, p->cumulative, p->guide, p->weight, index, count, made);
+    const int area = e->light->kind == CPM_LIGHT_AREA;
+    size_t carrying = 0;
+    if (area) code->emit_area(&e->data, triangles_of(pass, e), e->area, index, count, made);
+    else code->emit_delta(&e->data, p->cumulative, p->guide, p->weight, index, count, made);
     for (size_t i = 0; i < count; i++) {
-        cpm_flight *f = &flights[i];
+        cpm_flight *f = &flights[carrying];
         f->direction = of_block(made->direction, i);
+        f->position = area ? of_block(made->position, i) : e->light->position;
+        f->region = area ? cpm_region_at(pass, f->position, of_block(made->normal, i)) : e->region;
+        f->left = area ? made->primitive[i] : -1;
+        f->exact = area;
         f->bin = -1;
         f->crossing = 0;
-        if (e->light->kind == CPM_LIGHT_AREA) {
-            f->position = of_block(made->position, i);
-            f->region = cpm_region_at(pass, f->position, of_block(made->normal, i));
-            f->left = made->primitive[i];
-            f->exact = 1;
-            weights[i] = (float)(squared_index(pass, &f->region, f->position) * e->power_factor);
-        } else {
-            f->position = e->light->position;
-            f->region = e->region;
-            f->left = -1;
-            f->exact = 0;
-            weights[i] = (float)made->weight[i];
-        }
+        weights[carrying] =
+            (float)(area ? squared_index(pass, &f->region, f->position) * e->power_factor : made->weight[i]);
+        paths[carrying] = (uint32_t)(path + i);
+        carrying += weights[carrying] > 0.0f;
     }
+    return carrying;
 }
 
 /* --------------------------------------------------------------------------------------------- sharing out paths */

@@ -10,6 +10,7 @@
 #define MAP_NORESERVE 0
 #endif
 #define LEAST ((size_t)1 << 16)
+#define SMALL ((size_t)1 << 22) /* arrays that stay below this have small pages only */
 
 static size_t page_size(void) { return (size_t)sysconf(_SC_PAGESIZE); }
 
@@ -17,12 +18,22 @@ static size_t whole_pages(size_t bytes) { return (bytes + page_size() - 1) / pag
 
 static size_t *length_of(void *pages) { return (size_t *)(void *)((char *)pages - page_size()); }
 
+/* Zeroing a large page costs half of zeroing its parts; but a few photons should not fill one. */
+static void prefer_huge(char *memory, size_t length) {
+#ifdef MADV_HUGEPAGE
+    if (length > 2 * SMALL) (void)madvise(memory + SMALL, length - SMALL, MADV_HUGEPAGE);
+#else
+    (void)memory, (void)length;
+#endif
+}
+
 void *cpm_pages_reserve(size_t *bytes) {
     for (size_t wanted = *bytes;; wanted /= 2) {
         const size_t length = 2 * page_size() + whole_pages(wanted);
         char *memory =
             mmap(NULL, length, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
         if (memory != MAP_FAILED) {
+            prefer_huge(memory, length);
             *(size_t *)(void *)memory = length;
             *bytes = wanted;
             return memory + page_size();

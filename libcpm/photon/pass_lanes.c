@@ -68,43 +68,76 @@ static void meet_block(uint64_t seed, double scale, size_t count, cpm_meetings *
     }
 }
 
-static void power_bins(float weight, const float *spectrum, size_t bins, float *restrict powers,
-                       double *restrict emitted) {
-    for (size_t b = 0; b < bins; b++) {
-        powers[b] = weight * spectrum[b];
-        emitted[b] += (double)powers[b];
-    }
+static void power_block(const float *restrict weight, size_t count, const float *restrict spectrum, size_t bins,
+                        float *restrict powers, double *restrict emitted) {
+    for (size_t i = 0; i < count; i++)
+        for (size_t b = 0; b < bins; b++) {
+            const float power = weight[i] * spectrum[b];
+            powers[i * bins + b] = power;
+            emitted[b] += (double)power;
+        }
 }
 
-static void roulette_bins(const float *restrict before, const float *restrict reflectance, const float *restrict share,
-                          size_t bins, int alive, const cpm_roulette_rows *rows, float *restrict after) {
-    double *restrict absorbed = rows->absorbed, *restrict variance = rows->variance;
-    double *restrict row = alive ? rows->gain : rows->loss;
+/* restrict holds in functions that are not inlined only, and without it the loops are mostly checks of what overlaps. */
+#define APART static __attribute__((noinline))
+
+APART void roulette_bins(const float *restrict before, const float *restrict reflectance, const float *restrict share,
+                         size_t bins, int alive, float *restrict after, double *restrict absorbed, double *restrict row,
+                         double *restrict variance) {
     const double sign = alive ? 1.0 : -1.0;
     for (size_t b = 0; b < bins; b++) {
         double kept, change;
-        const float power = before[b];
-        after[b] = cpm_roulette(power, reflectance[b], share[b], alive, &kept, &change);
-        absorbed[b] += (double)power - kept;
+        after[b] = cpm_roulette(before[b], reflectance[b], share[b], alive, &kept, &change);
+        absorbed[b] += (double)before[b] - kept;
         row[b] += sign * change;
         variance[b] += change * change;
     }
 }
 
-static void halve_bins(const float *restrict powers, size_t bins, uint32_t dither,
-                       const cpm_dither_table *restrict table, uint16_t *restrict to) {
+APART void store_bins(const float *restrict powers, size_t bins, uint32_t dither,
+                      const cpm_dither_table *restrict table, uint16_t *restrict to) {
     uint32_t odd = 0;
     for (size_t b = 0; b < bins; b++) {
         cpm_float_bits x;
         x.value = powers[b];
-        odd |= (uint32_t)!cpm_dithers(x.bits);
-        to[b] = cpm_dithered_bits(x.bits, dither * table->multiply[b] + table->add[b]);
+        to[b] = cpm_half_bits_dithered(x.bits, dither * table->multiply[b] + table->add[b]);
+        odd |= (uint32_t)!cpm_half_dithers(x.bits);
     }
-    if (!odd) return;
-    for (size_t b = 0; b < bins; b++)
+    for (size_t b = 0; odd && b < bins; b++)
         to[b] = cpm_half_dithered(powers[b], dither * table->multiply[b] + table->add[b]);
 }
 
+/* One bin, without a loop's preparations. */
+static void settle_one(const cpm_powers *p, const cpm_dither_table *table, const cpm_roulette_rows *rows) {
+    double *row = (p->alive ? rows->gain : rows->loss) + p->first, kept, change;
+    const float power = *p->before;
+    if (p->spectrum) *p->spectrum = cpm_half_dithered(power, p->dither * table->multiply[0] + table->add[0]);
+    if (!p->after) {
+        rows->absorbed[p->first] += (double)power;
+        return;
+    }
+    *p->after = cpm_roulette(power, *p->reflectance, *p->share, p->alive, &kept, &change);
+    rows->absorbed[p->first] += (double)power - kept;
+    *row += p->alive ? change : -change;
+    rows->variance[p->first] += change * change;
+}
+
+static void settle_bins(const cpm_powers *p, const cpm_dither_table *table, const cpm_roulette_rows *rows) {
+    if (p->spectrum) store_bins(p->before, p->bins, p->dither, table, p->spectrum);
+    if (p->after)
+        roulette_bins(p->before, p->reflectance, p->share, p->bins, p->alive, p->after, rows->absorbed + p->first,
+                      (p->alive ? rows->gain : rows->loss) + p->first, rows->variance + p->first);
+    else
+        for (size_t b = 0; b < p->bins; b++) rows->absorbed[p->first + b] += (double)p->before[b];
+}
+
+static void settle_block(const cpm_powers *all, size_t count, const cpm_dither_table *table,
+                         const cpm_roulette_rows *rows) {
+    for (size_t i = 0; i < count; i++)
+        if (all[i].bins == 1) settle_one(&all[i], table, rows);
+        else settle_bins(&all[i], table, rows);
+}
+
 extern const cpm_pass_code NAME(cpm_pass_code);
-const cpm_pass_code NAME(cpm_pass_code) = {emit_delta_block, emit_area_block, meet_block,
-                                           power_bins,       roulette_bins,   halve_bins};
+const cpm_pass_code NAME(cpm_pass_code) = {emit_delta_block, emit_area_block, meet_block, power_block,
+                                           settle_block};

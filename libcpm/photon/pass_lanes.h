@@ -35,10 +35,20 @@ typedef struct cpm_dither_table {
 } cpm_dither_table;
 void cpm_dither_table_fill(cpm_dither_table *table);
 
-/* Energies of one batch, each a pointer to as many bins as a call says. */
+/* Energies of one batch, each a pointer to all bins. */
 typedef struct cpm_roulette_rows {
     double *absorbed, *gain, *loss, *variance;
 } cpm_roulette_rows;
+
+/* Powers of one path at a surface: bins [first, first + bins) of the film's. */
+typedef struct cpm_powers {
+    const float *before, *reflectance, *share; /* share: of the largest reflectance; bins each */
+    float *after;       /* NULL: nothing goes on, all is absorbed. Not where `before` is */
+    uint16_t *spectrum; /* where they are stored first; NULL: not stored */
+    uint32_t dither;    /* of the stored ones */
+    uint32_t first, bins;
+    int32_t alive;      /* what roulette says */
+} cpm_powers;
 
 typedef struct cpm_pass_code {
     /* Paths index .. index + count (count <= CPM_BLOCK; the arrays are filled up to a whole lane). */
@@ -47,12 +57,10 @@ typedef struct cpm_pass_code {
     void (*emit_area)(const cpm_emitter_data *e, const cpm_triangle *triangles, const double *area, uint64_t index,
                       size_t count, cpm_emissions *out);
     void (*meet)(uint64_t seed, double scale, size_t count, cpm_meetings *m);
-    /* powers[bins] = weight spectrum; also added to emitted. */
-    void (*power)(float weight, const float *spectrum, size_t bins, float *powers, double *emitted);
-    /* Powers before -> after, not the same array. */
-    void (*roulette)(const float *before, const float *reflectance, const float *share, size_t bins, int alive,
-                     const cpm_roulette_rows *rows, float *after);
-    void (*halves)(const float *powers, size_t bins, uint32_t dither, const cpm_dither_table *table, uint16_t *to);
+    /* powers[i bins + b] = weight[i] spectrum[b]; also added to emitted[bins]. */
+    void (*power)(const float *weight, size_t count, const float *spectrum, size_t bins, float *powers, double *emitted);
+    /* Stores powers, then plays roulette with them. */
+    void (*settle)(const cpm_powers *all, size_t count, const cpm_dither_table *table, const cpm_roulette_rows *rows);
 } cpm_pass_code;
 
 const cpm_pass_code *cpm_pass_code_chosen(void);

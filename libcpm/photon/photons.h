@@ -59,10 +59,10 @@ cpm_status cpm_project(const cpm_pass *pass, cpm_emitter *emitter, cpm_stats *st
 cpm_status cpm_emitters_create(const cpm_pass *pass, uint64_t photons, uint64_t seed, int32_t project,
                                cpm_emitter **emitters, size_t *count, double *scale, cpm_stats *stats);
 void cpm_emitters_free(cpm_emitter *emitters, size_t count);
-/* Starts paths [path, path + count) of one emitter, count <= CPM_BLOCK: flights, and the weight of each one's power (0: it
- * carries nothing). `made` is scratch. */
-void cpm_emit(const cpm_pass *pass, const cpm_emitter *emitter, uint64_t path, size_t count, cpm_emissions *made,
-              cpm_flight *flights, float *weights);
+/* Starts paths [path, path + count) of one emitter, count <= CPM_BLOCK: the number of those that carry anything, their
+ * flights, path numbers, and the weight of each one's power. `made` is scratch. */
+size_t cpm_emit(const cpm_pass *pass, const cpm_emitter *emitter, uint64_t path, size_t count, cpm_emissions *made,
+                cpm_flight *flights, uint32_t *paths, float *weights);
 
 /* trace.c: the pass itself, into per-population stores (opened here; the caller frees them, also on failure) and the
  * energy table (CPM_ENERGY_ROWS x bins, over the scale). */

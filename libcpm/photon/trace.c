@@ -53,8 +53,12 @@ typedef struct task { /* one thread's */
             cpm_emissions made;
             cpm_flight flights[CPM_BLOCK];
             float weights[CPM_BLOCK];
+            uint32_t paths[CPM_BLOCK];
         } emission;
-        cpm_meetings meetings;
+        struct {
+            cpm_meetings met;
+            cpm_powers powers[CPM_BLOCK];
+        } meeting;
     } block;
     int failed;
 } task;
@@ -78,27 +82,16 @@ static int crowd_reserve(crowd *c, size_t more) {
 
 static void crowd_free(crowd *c) { free(c->walkers), free(c->powers), free(c->flights); }
 
-/* Powers of the path that `survive` will add next; NULL: out of memory. */
-static float *next_powers(task *t) {
+/* A path goes on. */
+static void survive(task *t, const walker *w, const cpm_flight *flight, const float *powers, size_t count) {
     if (!crowd_reserve(&t->next, 1)) {
         t->failed = 1;
-        return NULL;
+        return;
     }
-    return &t->next.powers[t->next.count * t->next.bins];
-}
-
-/* A path goes on; its powers stand where next_powers says. */
-static void survive(task *t, const walker *w, const cpm_flight *flight) {
+    memcpy(&t->next.powers[t->next.count * t->next.bins], powers, count * sizeof *powers);
     t->next.walkers[t->next.count] = *w;
     t->next.flights[t->next.count] = *flight;
     t->next.count++;
-}
-
-static void survive_with(task *t, const walker *w, const cpm_flight *flight, const float *powers, size_t count) {
-    float *to = next_powers(t);
-    if (!to) return;
-    memcpy(to, powers, count * sizeof *powers);
-    survive(t, w, flight);
 }
 
 /* Bins that a flight carries: [*first, *first + count). */
@@ -126,48 +119,56 @@ static cpm_random random_of(const task *t, const walker *w, const cpm_flight *fl
                       cpm_scatter_bin(flight->bin));
 }
 
-/* Roulette over a reflecting surface; 1: the survivor's powers are at next_powers. */
-static int roulette(task *t, const cpm_flight *flight, int32_t material, const float *powers, double chance) {
-    static const float one = 1.0f;
-    size_t first, count = carried(t, flight, &first);
-    const size_t bins = t->pass->bins, at = (size_t)material * bins + first;
-    const float *reflectance = &t->pass->reflectance[at];
-    const int alone = flight->bin >= 0;
-    const int alive = chance < (double)(alone ? *reflectance : t->pass->reflectance_max[material]);
-    double *energy = t->energy + first;
-    const cpm_roulette_rows rows = {&energy[CPM_ABSORBED * bins], &energy[CPM_GAIN * bins], &energy[CPM_LOSS * bins],
-                                    &energy[CPM_VARIANCE * bins]};
-    float *after = next_powers(t);
-    if (!after) return 0;
-    t->code->roulette(powers, reflectance, alone ? &one : &t->shares[at], count, alive, &rows, after);
-    return alive;
+static cpm_roulette_rows rows_of(const task *t) {
+    const size_t bins = t->pass->bins;
+    return (cpm_roulette_rows){&t->energy[CPM_ABSORBED * bins], &t->energy[CPM_GAIN * bins], &t->energy[CPM_LOSS * bins],
+                               &t->energy[CPM_VARIANCE * bins]};
 }
 
-static void store(task *t, const walker *w, const cpm_flight *flight, const cpm_arrival *a, uint32_t direction,
-                  uint32_t normal, const float *powers) {
-    const int population = w->direct ? CPM_DIRECT : w->specular ? CPM_CAUSTIC : CPM_LATER;
+/* Roulette at a surface, with the random number `chance`; what survives would go to `after`. */
+static void play(const task *t, const cpm_flight *flight, int32_t material, const float *powers, double chance,
+                 float *after, cpm_powers *p) {
+    static const float one = 1.0f;
     size_t first, count = carried(t, flight, &first);
+    const size_t at = (size_t)material * t->pass->bins + first;
+    const int alone = flight->bin >= 0;
+    p->before = powers;
+    p->reflectance = &t->pass->reflectance[at];
+    p->share = alone ? &one : &t->shares[at];
+    p->after = after;
+    p->spectrum = NULL;
+    p->first = (uint32_t)first, p->bins = (uint32_t)count;
+    p->alive = chance < (double)(alone ? *p->reflectance : t->pass->reflectance_max[material]);
+}
+
+/* Gives the photon a place; its powers are to follow. */
+static void store(task *t, const walker *w, const cpm_flight *flight, const cpm_arrival *a, uint32_t direction,
+                  uint32_t normal, cpm_powers *p) {
+    const int population = w->direct ? CPM_DIRECT : w->specular ? CPM_CAUSTIC : CPM_LATER;
     uint32_t index;
-    cpm_photon *photon = cpm_store_place(&t->parts[population], count, &index);
+    cpm_photon *photon = cpm_store_place(&t->parts[population], p->bins, &index);
     if (!photon) {
         t->failed = 1;
         return;
     }
     cpm_photon_pack(photon, cpm_sub(a->hit.position, t->origin), direction, normal, index, w->path, w->bounce, flight->bin);
-    uint16_t *spectrum = &t->parts[population].store->spectra[index];
-    t->code->halves(powers, count, cpm_dither_start(w->path, w->bounce, photon->bin), t->dither, spectrum);
-    t->stored_bytes += sizeof *photon + count * sizeof *spectrum;
+    p->spectrum = &t->parts[population].store->spectra[index];
+    p->dither = cpm_dither_start(w->path, w->bounce, flight->bin < 0 ? CPM_ALL_BINS : (uint32_t)flight->bin);
+    t->stored_bytes += sizeof *photon + p->bins * sizeof *p->spectrum;
 }
 
-/* Those of paths first.. of `now`, by number, which have met something diffuse or black: at most a block. */
-static void meet_diffuse(task *t, size_t first, const size_t *met, size_t count) {
-    const cpm_scene *scene = t->pass->scene;
-    cpm_meetings *m = &t->block.meetings;
+/* A path that has met something diffuse or black: of the current part of `now`. */
+typedef struct encounter {
+    uint32_t number;
+    int32_t material;
+} encounter;
+
+static void describe(const task *t, size_t first, const encounter *met, size_t count, cpm_meetings *m) {
     for (size_t k = 0; k < count; k++) {
-        const walker *w = &t->now.walkers[first + met[k]];
-        const cpm_flight *f = &t->now.flights[first + met[k]];
-        const cpm_arrival *a = &t->arrivals[met[k]];
-        const cpm_facet facet = cpm_facet_of(scene, &a->hit);
+        const walker *w = &t->now.walkers[first + met[k].number];
+        const cpm_flight *f = &t->now.flights[first + met[k].number];
+        const cpm_arrival *a = &t->arrivals[met[k].number];
+        const cpm_facet facet = cpm_facet_of(t->pass->scene, &a->hit);
         m->came[0][k] = a->direction.x, m->came[1][k] = a->direction.y, m->came[2][k] = a->direction.z;
         m->start[0][k] = f->position.x, m->start[1][k] = f->position.y, m->start[2][k] = f->position.z;
         m->hit[0][k] = a->hit.position.x, m->hit[1][k] = a->hit.position.y, m->hit[2][k] = a->hit.position.z;
@@ -177,22 +178,29 @@ static void meet_diffuse(task *t, size_t first, const size_t *met, size_t count)
         m->block[k] = cpm_scatter_block(w->bounce, w->crossings);
         m->bin[k] = cpm_scatter_bin(f->bin);
     }
+}
+
+/* Encounters of paths first.. of `now`, at most a block. */
+static void meet_diffuse(task *t, size_t first, const encounter *met, size_t count) {
+    const cpm_scene *scene = t->pass->scene;
+    cpm_meetings *m = &t->block.meeting.met;
+    cpm_powers *powers = t->block.meeting.powers;
+    describe(t, first, met, count, m);
     t->code->meet(t->seed, cpm_geometry_scale(t->pass->geometry), count, m);
+    if (!crowd_reserve(&t->next, count + 1)) t->failed = 1;
+    size_t survivors = t->next.count;
     for (size_t k = 0; k < count && !t->failed; k++) {
-        const walker *w = &t->now.walkers[first + met[k]];
-        const cpm_flight *f = &t->now.flights[first + met[k]];
-        const cpm_arrival *a = &t->arrivals[met[k]];
-        const float *powers = &t->now.powers[(first + met[k]) * t->now.bins];
-        const int32_t material = scene->shapes[cpm_primitive_shape(scene, a->hit.primitive)].material;
-        store(t, w, f, a, m->direction_code[k], m->normal_code[k], powers);
-        if (scene->materials[material].kind == CPM_MATERIAL_BLACK) {
-            account(t, f, powers, CPM_ABSORBED);
-            continue;
-        }
-        if (!roulette(t, f, material, powers, m->chance[k])) continue;
+        const walker *w = &t->now.walkers[first + met[k].number];
+        const cpm_flight *f = &t->now.flights[first + met[k].number];
+        const cpm_arrival *a = &t->arrivals[met[k].number];
+        const int black = scene->materials[met[k].material].kind == CPM_MATERIAL_BLACK;
+        play(t, f, met[k].material, &t->now.powers[(first + met[k].number) * t->now.bins], m->chance[k],
+             black ? NULL : &t->next.powers[survivors * t->next.bins], &powers[k]);
+        store(t, w, f, a, m->direction_code[k], m->normal_code[k], &powers[k]);
+        if (black || !powers[k].alive) continue;
         /* field by field where they belong: a copy of what has just been written would wait for it */
-        walker *next = &t->next.walkers[t->next.count];
-        cpm_flight *to = &t->next.flights[t->next.count++];
+        walker *next = &t->next.walkers[survivors];
+        cpm_flight *to = &t->next.flights[survivors++];
         next->path = w->path;
         next->bounce = (uint16_t)(w->bounce + 1);
         next->crossings = next->specular = next->direct = 0;
@@ -204,6 +212,10 @@ static void meet_diffuse(task *t, size_t first, const size_t *met, size_t count)
         to->exact = cpm_geometry_near_edge(t->pass->geometry, &a->hit);
         to->crossing = 0;
     }
+    if (t->failed) return;
+    const cpm_roulette_rows rows = rows_of(t);
+    t->code->settle(powers, count, t->dither, &rows);
+    t->next.count = survivors;
 }
 
 static void meet_mirror(task *t, walker *w, const cpm_flight *f, const cpm_arrival *a, const float *powers,
@@ -211,12 +223,17 @@ static void meet_mirror(task *t, walker *w, const cpm_flight *f, const cpm_arriv
     const cpm_pass *pass = t->pass;
     cpm_vec facing = scatter_facing(cpm_geometric_normal(pass->scene, &a->hit), a->direction);
     cpm_random r = random_of(t, w, f);
-    if (!roulette(t, f, material, powers, cpm_uniform(r.v[2]))) return;
+    float after[CPM_MAX_BINS];
+    cpm_powers p;
+    play(t, f, material, powers, cpm_uniform(r.v[2]), after, &p);
+    const cpm_roulette_rows rows = rows_of(t);
+    t->code->settle(&p, 1, t->dither, &rows);
+    if (!p.alive) return;
     cpm_vec direction = scatter_mirror(a->direction, cpm_shading_normal(pass->scene, &a->hit, facing), facing);
     w->specular = w->direct || w->specular;
     another_bounce(w);
     cpm_flight flight = cpm_depart(pass, f, a, direction);
-    survive(t, w, &flight);
+    survive(t, w, &flight, after, p.bins);
 }
 
 static void meet_boundary(task *t, walker *w, const cpm_flight *f, const cpm_arrival *a, const float *powers) {
@@ -247,11 +264,12 @@ static void meet_boundary(task *t, walker *w, const cpm_flight *f, const cpm_arr
     } else {
         w->crossings++;
     }
-    survive_with(t, w, flight, powers, count);
+    survive(t, w, flight, powers, count);
 }
 
-/* What a path does where it has arrived; 1: it has met something diffuse or black, to be dealt with in a block. */
-static int arrive(task *t, size_t number, const cpm_arrival *a) {
+/* What a path does where it has arrived. Returns the material if it is diffuse or black, to be dealt with in a block, else
+ * CPM_NO_MATERIAL. */
+static int32_t arrive(task *t, size_t number, const cpm_arrival *a) {
     const cpm_scene *scene = t->pass->scene;
     walker *w = &t->now.walkers[number];
     const cpm_flight *f = &t->now.flights[number];
@@ -260,45 +278,58 @@ static int arrive(task *t, size_t number, const cpm_arrival *a) {
     if (a->status != CPM_RAY_HIT || w->bounce >= MAX_BOUNCES || w->crossings == UINT16_MAX) {
         account(t, f, powers, CPM_ESCAPED);
         t->lost += a->status != CPM_RAY_LEFT;
-        return 0;
+        return CPM_NO_MATERIAL;
     }
     const int32_t material = scene->shapes[cpm_primitive_shape(scene, a->hit.primitive)].material;
     const int32_t kind = material == CPM_NO_MATERIAL ? CPM_MATERIAL_DIELECTRIC : scene->materials[material].kind;
     if (kind == CPM_MATERIAL_DIELECTRIC) meet_boundary(t, w, f, a, powers);
     else if (kind == CPM_MATERIAL_MIRROR) meet_mirror(t, w, f, a, powers, material);
-    else return 1;
-    return 0;
+    else return material;
+    return CPM_NO_MATERIAL;
 }
 
 /* ------------------------------------------------------------------------------------------------- a batch */
 
+/* A path starts in a medium that disperses: each wavelength goes its own way. */
+static void start_apart(task *t, uint32_t path, cpm_flight *flight) {
+    float powers[CPM_MAX_BINS];
+    const walker w = {.path = path, .direct = 1};
+    memcpy(powers, &t->next.powers[t->next.count * t->next.bins], t->next.bins * sizeof *powers);
+    for (size_t b = 0; b < t->next.bins; b++) {
+        flight->bin = (int32_t)b;
+        if (powers[b] > 0.0f) survive(t, &w, flight, &powers[b], 1);
+    }
+}
+
 /* Paths that one emitter starts, at most a block. */
 static void emit_block(task *t, const cpm_emitter *e, uint64_t path, size_t count) {
     const size_t bins = t->pass->bins;
+    const int apart = (t->pass->features & CPM_FEATURE_DISPERSION) != 0;
     cpm_flight *flights = t->block.emission.flights;
-    float *weights = t->block.emission.weights;
-    cpm_emit(t->pass, e, path, count, &t->block.emission.made, flights, weights);
+    const float *weights = t->block.emission.weights;
+    const uint32_t *paths = t->block.emission.paths;
+    double *emitted = &t->energy[CPM_EMITTED * bins];
+    count = cpm_emit(t->pass, e, path, count, &t->block.emission.made, flights, t->block.emission.paths,
+                     t->block.emission.weights);
+    t->emitted += count;
+    if (!crowd_reserve(&t->next, count)) t->failed = 1;
+    if (!apart && !t->failed)
+        t->code->power(weights, count, e->weight, bins, &t->next.powers[t->next.count * bins], emitted);
     for (size_t i = 0; i < count && !t->failed; i++) {
-        if (!(weights[i] > 0.0f)) continue;
-        float *powers = next_powers(t);
-        if (!powers) return;
-        t->code->power(weights[i], e->weight, bins, powers, &t->energy[CPM_EMITTED * bins]);
-        t->emitted++;
-        if (!t->pass->disperses[cpm_region_medium(&flights[i].region)]) {
-            walker *w = &t->next.walkers[t->next.count];
-            t->next.flights[t->next.count++] = flights[i];
-            w->path = (uint32_t)(path + i);
-            w->bounce = w->crossings = w->specular = 0;
-            w->direct = 1;
-            continue;
+        if (apart) {
+            if (!crowd_reserve(&t->next, 1)) t->failed = 1;
+            else t->code->power(&weights[i], 1, e->weight, bins, &t->next.powers[t->next.count * bins], emitted);
+            if (t->failed) return;
+            if (t->pass->disperses[cpm_region_medium(&flights[i].region)]) {
+                start_apart(t, paths[i], &flights[i]);
+                continue;
+            }
         }
-        const walker w = {.path = (uint32_t)(path + i), .direct = 1};
-        float each[CPM_MAX_BINS];
-        memcpy(each, powers, bins * sizeof *each);
-        for (size_t b = 0; b < bins; b++) {
-            flights[i].bin = (int32_t)b;
-            if (each[b] > 0.0f) survive_with(t, &w, &flights[i], &each[b], 1);
-        }
+        walker *w = &t->next.walkers[t->next.count];
+        t->next.flights[t->next.count++] = flights[i];
+        w->path = paths[i];
+        w->bounce = w->crossings = w->specular = 0;
+        w->direct = 1;
     }
 }
 
@@ -326,11 +357,13 @@ static int arrivals_reserve(task *t, size_t count) {
 
 /* Paths [first, first + count) of `now` fly to what they meet, and are dealt with there. */
 static void advance(task *t, size_t first, size_t count) {
-    size_t met[CPM_BLOCK], n = 0;
+    encounter met[CPM_BLOCK];
+    size_t n = 0;
     cpm_follow(t->pass, &t->now.flights[first], count, NULL, t->arrivals);
     t->segments += count;
     for (size_t i = 0; i < count && !t->failed; i++) {
-        if (arrive(t, first + i, &t->arrivals[i])) met[n++] = i;
+        const int32_t material = arrive(t, first + i, &t->arrivals[i]);
+        if (material != CPM_NO_MATERIAL) met[n++] = (encounter){(uint32_t)i, material};
         if (n == CPM_BLOCK || (n && i + 1 == count)) {
             meet_diffuse(t, first, met, n);
             n = 0;

@@ -82,10 +82,18 @@ static void follow_straight(const cpm_pass *pass, const cpm_flight *flights, siz
         for (; next < count && n < STRAIGHT; next++) {
             const cpm_flight *f = &flights[next];
             if (pass->way[cpm_region_medium(&f->region)] != CPM_WAY_STRAIGHT) continue;
-            starts[n] = (cpm_start){pass, f};
-            filters[n] = (cpm_filter){cpm_start_counts, &starts[n]};
-            rays[n] = (cpm_straight_ray){&f->position, &f->direction, f->left, f->exact, cpm_slack_of(pass, f, 1),
-                                         &filters[n], &arrivals[next].hit};
+            cpm_straight_ray *ray = &rays[n];
+            ray->origin = &f->position, ray->direction = &f->direction;
+            ray->left = f->left, ray->exact = f->exact;
+            ray->slack = 0.0;
+            ray->filter = NULL;
+            ray->hit = &arrivals[next].hit;
+            if (f->crossing) {
+                starts[n] = (cpm_start){pass, f};
+                filters[n] = (cpm_filter){cpm_start_counts, &starts[n]};
+                ray->slack = cpm_slack_of(pass, f, 1);
+                ray->filter = &filters[n];
+            }
             number[n++] = next;
         }
         cpm_geometry_straight_many(pass->geometry, rays, n);
