@@ -1,8 +1,8 @@
 /* shared/curve.h: a piece of a curved ray as a polynomial, and where it meets triangles and spheres.
  *
- * r(theta) = sum c_i theta^i, theta in [0, 1]. Degree 1: straight; 2: the exact parabola of a linear n^2; 5: the quintic
- * Hermite that takes position, momentum and acceleration at both ends. Hits are roots of the whole curve, not of a
- * chord, so nothing leaks between chords; a chord serves only to find candidates. */
+ * r(theta) = sum c_i theta^i, theta in [0, 1]. Degree 1: straight; 2: the exact parabola of a linear n^2; 5: the
+ * quintic Hermite that takes position, momentum and acceleration at both ends. Hits are roots of the whole curve, not
+ * of a chord, so nothing leaks between chords; a chord serves only to find candidates. */
 #ifndef CPM_SHARED_CURVE_H
 #define CPM_SHARED_CURVE_H
 #include "../types/geometry.h"
@@ -120,8 +120,8 @@ typedef struct cpm_chord {
     double a, b;
 } cpm_chord;
 
-/* As cpm_curve_triangle where the degree is 2: the distance from the plane over [a, b] has Bernstein coefficients fa, fm,
- * fb. All of one sign: no root. Ends on opposite sides: one root, the quadratic's with that slope. */
+/* As cpm_curve_triangle where the degree is 2: the distance from the plane over [a, b] has Bernstein coefficients fa,
+ * fm, fb. All of one sign: no root. Ends on opposite sides: one root, the quadratic's with that slope. */
 CPM_INLINE double cpm_parabola_triangle(const cpm_curve *k, const cpm_triangle *t, int leaving, double a, double b,
                                         double *u, double *v) {
     cpm_vec n = cpm_v(t->normal[0], t->normal[1], t->normal[2]);

@@ -118,7 +118,8 @@ int cpm_bvh_build(void *embree_device, const cpm_bvh_leaf *leaves, size_t count,
     a.createLeaf = create_leaf;
     const tree_node *root = rtcBuildBVH(&a);
     int done = 0;
-    if (!root) *why = "Embree could not build the tree of the scene's primitives";
+    if (!root)
+        *why = "Embree could not build the tree of the scene's primitives";
     else if (root->primitive >= 0) { /* one primitive: a node about it */
         const float *b = leaves[root->primitive].box;
         const struct RTCBounds bounds = {b[0], b[1], b[2], 0.0f, b[3], b[4], b[5], 0.0f};
@@ -132,8 +133,10 @@ int cpm_bvh_build(void *embree_device, const cpm_bvh_leaf *leaves, size_t count,
     } else {
         int deepest = 0;
         size_t nodes = inner_nodes(root, 1, &deepest);
-        if (deepest > CPM_BVH_DEPTH) *why = "the tree of the scene's primitives is too deep";
-        else done = allocate(bvh, nodes, why);
+        if (deepest > CPM_BVH_DEPTH)
+            *why = "the tree of the scene's primitives is too deep";
+        else
+            done = allocate(bvh, nodes, why);
         if (done) flatten(bvh, root, leaves);
     }
     rtcReleaseBVH(tree);

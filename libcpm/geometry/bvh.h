@@ -1,7 +1,8 @@
 /* geometry/bvh.h: an eight-wide bounding volume hierarchy, built by Embree, walked by curve_walk.h.
  *
- * Embree's own scenes know straight rays only; a curve asks for boxes, and triangles, that grow by how far it bends. All is
- * float, in units of the scene: (position - center) unit, so that neither a nanometre nor the Earth is a special case. */
+ * Embree's own scenes know straight rays only; a curve asks for boxes, and triangles, that grow by how far it bends.
+ * All is float, in units of the scene: (position - center) unit, so that neither a nanometre nor the Earth is a special
+ * case. */
 #ifndef CPM_GEOMETRY_BVH_H
 #define CPM_GEOMETRY_BVH_H
 #include <stddef.h>
@@ -10,12 +11,12 @@
 #define CPM_BVH_WIDTH 8
 #define CPM_BVH_DEPTH 64 /* Embree's limit is 32, and large leaves add a few */
 
-/* Three affine functions of a point, slopes x, y, z and the value at 0: distance from the triangle's plane, barycentric u
- * and v. What is no triangle has functions that let everything pass. */
+/* Three affine functions of a point, slopes x, y, z and the value at 0: distance from the triangle's plane, barycentric
+ * u and v. What is no triangle has functions that let everything pass. */
 enum { CPM_FACE_PLANE = 0, CPM_FACE_U = 4, CPM_FACE_V = 8, CPM_FACE_ROWS = 12 };
 
 typedef struct cpm_bvh_node {
-    float box[6][CPM_BVH_WIDTH];  /* low x, y, z, high x, y, z of each child; an empty child's low is above its high */
+    float box[6][CPM_BVH_WIDTH]; /* low x, y, z, high x, y, z of each child; an empty child's low is above its high */
     float face[CPM_FACE_ROWS][CPM_BVH_WIDTH];
     int32_t child[CPM_BVH_WIDTH]; /* a node, or ~primitive */
     uint32_t leaves;              /* bits: which children are primitives */

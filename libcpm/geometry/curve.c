@@ -7,7 +7,7 @@
 
 #define MAX_CHORDS 100000.0
 #define OVERLAP 1e-12 /* of theta: a root where two chords meet belongs to one of them at least */
-#define LOT 64      /* curves asked at once */
+#define LOT 64        /* curves asked at once */
 #define NEAR_BOX 0.05 /* of the scene: a chord that ends no farther outside is not cut: float loses nothing by it */
 
 static int is_near_box(const cpm_geometry *g, cpm_vec r) {
@@ -34,7 +34,7 @@ static inline void begin(cpm_curve_query *q, const cpm_geometry *g, const cpm_cu
 }
 
 static void first_hit(const cpm_geometry *g, const cpm_curve *curve, double theta_end, int32_t left, double slack,
-                        const cpm_filter *filter, cpm_hit *hit) {
+                      const cpm_filter *filter, cpm_hit *hit) {
     cpm_curve_query q;
     begin(&q, g, curve, left, slack, filter);
     const cpm_vec strays = cpm_curve_strays(curve, theta_end);
@@ -62,8 +62,8 @@ static void first_hit(const cpm_geometry *g, const cpm_curve *curve, double thet
 }
 
 /* In two rounds. The first walks every curve's chord, and where one primitive is all that it may meet, leaves that
- * untested; the second tests what was left: nothing to guess between one curve's arithmetic and the next's, so that they
- * overlap. */
+ * untested; the second tests what was left: nothing to guess between one curve's arithmetic and the next's, so that
+ * they overlap. */
 static void lot_of_hits(const cpm_geometry *g, const cpm_curve *curves, const double *from, const int32_t *left,
                         size_t count, cpm_hit *hits) {
     double a[LOT];
@@ -76,7 +76,8 @@ static void lot_of_hits(const cpm_geometry *g, const cpm_curve *curves, const do
         q.chord.a = from[i] > 0.0 ? from[i] - OVERLAP : 0.0, q.chord.b = 1.0;
         q.chord.start = from[i] > 0.0 ? cpm_curve_at(c, from[i]) : c->c[0], q.chord.end = cpm_curve_at(c, 1.0);
         q.chord.off = grown(g, strays);
-        if (cpm_vdot(strays, strays) > g->sagitta * g->sagitta || !is_near_box(g, q.chord.start) || !is_near_box(g, q.chord.end)) {
+        if (cpm_vdot(strays, strays) > g->sagitta * g->sagitta || !is_near_box(g, q.chord.start) ||
+            !is_near_box(g, q.chord.end)) {
             first_hit(g, c, 1.0, left[i], 0.0, NULL, &hits[i]);
             continue;
         }

@@ -3,17 +3,18 @@
  * Why nothing leaks. The curve at theta is within `off` of the chord's point of the same theta. Where the curve meets a
  * primitive, that point is inside the primitive's grown box: so the chord enters the box no later than there, and what
  * is nearer than the best so far is never passed over. Boxes are grown by ROUNDING more, in units of the scene: float's
- * rounding of the chord (1e-7), of the boxes' planes, of their distances and of the parameters at which they are met. */
+ * rounding of the chord (1e-7), of the boxes' planes, of their distances and of the parameters at which they are met.
+ */
 #ifndef CPM_GEOMETRY_CURVE_WALK_H
 #define CPM_GEOMETRY_CURVE_WALK_H
-#include <float.h>
-#include <math.h>
 #include "parts.h"
 #include "wide.h"
+#include <float.h>
+#include <math.h>
 
 #define ROUNDING 2e-6f
 #define LEAST_SLOPE 1e-30f /* of a chord's component: its inverse stays finite */
-#define PATIENCE 3 /* nodes that may be looked at before a primitive found is tested */
+#define PATIENCE 3         /* nodes that may be looked at before a primitive found is tested */
 #define STACK (CPM_BVH_DEPTH * (CPM_BVH_WIDTH - 1))
 
 /* One curve against one geometry; the chord is the part of the curve that is being asked. */
@@ -27,7 +28,7 @@ typedef struct cpm_curve_query {
     cpm_hit best; /* so far */
 } cpm_curve_query;
 
-typedef struct cast { /* the chord as the tree sees it */
+typedef struct cast {         /* the chord as the tree sees it */
     float start[3], slope[3]; /* start + t slope, t in [0, 1] */
     float grow[3];
     int near[3], far[3]; /* of a box: the planes met first and last */
@@ -102,8 +103,8 @@ static inline unsigned faces_met(const cpm_bvh_node *node, const cast *s, float 
 }
 
 /* The curve's first root on a primitive in (a, b], whether it is there that the curve starts or not; below -1: none. */
-static inline double first_root(const cpm_geometry *g, const cpm_curve *curve, int32_t primitive, int32_t left, double a,
-                                double b, double *u, double *v) {
+static inline double first_root(const cpm_geometry *g, const cpm_curve *curve, int32_t primitive, int32_t left,
+                                double a, double b, double *u, double *v) {
     const size_t number = (size_t)primitive;
     const int leaving = primitive == left;
     if (number >= g->triangle_count)
@@ -144,8 +145,8 @@ static inline float limit_of(const cpm_curve_query *q) {
     return (float)((q->best.t - c->a) / (c->b - c->a)) * (1.0f + 4.0f * FLT_EPSILON) + ROUNDING;
 }
 
-/* The chord's first hit, in q->best. With `defer`: where there is but one primitive to test, it is returned untested; else
- * -1. */
+/* The chord's first hit, in q->best. With `defer`: where there is but one primitive to test, it is returned untested;
+ * else -1. */
 static int32_t walk(cpm_curve_query *q, int defer) {
     struct {
         float enter;

@@ -1,5 +1,5 @@
-/* geometry/geometry.c: primitives in double, and what is built over them: Embree's scene for straight rays (straight.c),
- * a tree for curves (bvh.c, curve.c). See geometry.h for the two ways to ask. */
+/* geometry/geometry.c: primitives in double, and what is built over them: Embree's scene for straight rays
+ * (straight.c), a tree for curves (bvh.c, curve.c). See geometry.h for the two ways to ask. */
 #include "geometry.h"
 
 #include <float.h>

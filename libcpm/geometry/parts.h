@@ -5,8 +5,8 @@
 #include "bvh.h"
 #include "geometry.h"
 
-#define ULP 1.2e-7      /* of a float, relative */
-#define START_ULPS 8.0  /* a straight float ray starts this many ulp of the scene away */
+#define ULP 1.2e-7     /* of a float, relative */
+#define START_ULPS 8.0 /* a straight float ray starts this many ulp of the scene away */
 
 struct RTCDeviceTy;
 struct RTCSceneTy;
@@ -24,10 +24,10 @@ struct cpm_geometry {
     const cpm_sphere *spheres;
     size_t triangle_count, sphere_count;
     cpm_box box;
-    cpm_vec center;  /* subtracted before anything becomes float */
-    double scale;    /* largest |coordinate - center| of the box */
-    double unit;     /* 1/scale: positions in the tree are (r - center) unit */
-    double sagitta;  /* a chord that strays farther from its curve is cut */
+    cpm_vec center; /* subtracted before anything becomes float */
+    double scale;   /* largest |coordinate - center| of the box */
+    double unit;    /* 1/scale: positions in the tree are (r - center) unit */
+    double sagitta; /* a chord that strays farther from its curve is cut */
     struct RTCDeviceTy *device;
     struct RTCSceneTy *straight; /* Embree's, NULL until prepared */
     cpm_bvh curved;              /* no nodes until prepared */

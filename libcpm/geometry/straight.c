@@ -1,5 +1,5 @@
-/* geometry/straight.c: straight rays: Embree's own triangles in float, the hit polished in double; where float's word is
- * not enough, the curve's way (curve.c), which is double. */
+/* geometry/straight.c: straight rays: Embree's own triangles in float, the hit polished in double; where float's word
+ * is not enough, the curve's way (curve.c), which is double. */
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -61,10 +61,10 @@ cpm_status cpm_straight_build(cpm_context *context, cpm_geometry *g) {
     rtcSetSceneFlags(g->straight, RTC_SCENE_FLAG_ROBUST);
     if (g->triangle_count) {
         RTCGeometry mesh = rtcNewGeometry(g->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-        float *vertices = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12,
-                                                  3 * g->triangle_count);
-        unsigned *faces = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12,
-                                                  g->triangle_count);
+        float *vertices =
+            rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, 3 * g->triangle_count);
+        unsigned *faces =
+            rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, g->triangle_count);
         if (!vertices || !faces) {
             rtcReleaseGeometry(mesh);
             return embree_failed(context, g);
@@ -125,7 +125,8 @@ void cpm_geometry_straight(const cpm_geometry *g, cpm_vec origin, cpm_vec direct
                            const cpm_filter *filter, int exact, cpm_hit *hit) {
     hit->primitive = -1;
     double enter = -slack, leave = INFINITY;
-    if (!g->curved.nodes || !cpm_clip_to_box(g, origin, direction, 1e-12 * g->scale, &enter, &leave) || !(leave > 0.0)) return;
+    if (!g->curved.nodes || !cpm_clip_to_box(g, origin, direction, 1e-12 * g->scale, &enter, &leave) || !(leave > 0.0))
+        return;
 
     query q;
     q.geometry = g;
@@ -148,8 +149,10 @@ void cpm_geometry_straight(const cpm_geometry *g, cpm_vec origin, cpm_vec direct
     cpm_embree_intersect(g->straight, &q.base, &rayhit);
 
     int32_t primitive = -1;
-    if (rayhit.hit.geomID == 0) primitive = (int32_t)rayhit.hit.primID;
-    else if (rayhit.hit.geomID == 1) primitive = (int32_t)(g->triangle_count + rayhit.hit.primID);
+    if (rayhit.hit.geomID == 0)
+        primitive = (int32_t)rayhit.hit.primID;
+    else if (rayhit.hit.geomID == 1)
+        primitive = (int32_t)(g->triangle_count + rayhit.hit.primID);
     if (primitive < 0 || (primitive == left && (size_t)primitive < g->triangle_count)) {
         straight_exact(g, &q, reach, slack, hit); /* a miss, or itself: float's word is not enough */
         return;

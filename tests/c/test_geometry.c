@@ -1,4 +1,5 @@
-/* Hits of straight and curved rays against brute force in long double over every primitive; nothing gets through a wall. */
+/* Hits of straight and curved rays against brute force in long double over every primitive; nothing gets through a
+ * wall. */
 #include "check.h"
 
 #include <math.h>
@@ -43,8 +44,10 @@ static long double march(const cpm_curve *k, const cpm_triangle *t, double from)
                 cpm_vec m = cpm_curve_at(k, middle);
                 double g = (m.x - t->corner[0]) * t->normal[0] + (m.y - t->corner[1]) * t->normal[1] +
                            (m.z - t->corner[2]) * t->normal[2];
-                if ((g < 0.0) == (previous < 0.0L)) low = middle;
-                else high = middle;
+                if ((g < 0.0) == (previous < 0.0L))
+                    low = middle;
+                else
+                    high = middle;
             }
             if (cpm_triangle_contains(t, cpm_curve_at(k, low), &u, &v)) return low;
         }
@@ -216,8 +219,10 @@ static void straight_rays_agree_with_the_curve_scene(void **state) {
         cpm_geometry_straight(g, o, d, -1, 0.0, NULL, 0, &fast);
         cpm_geometry_straight(g, o, d, -1, 0.0, NULL, 1, &exact);
         on_sphere += exact.primitive >= TRIANGLES;
-        if (fast.primitive != exact.primitive) differ++; /* within float of an edge */
-        else if (fast.primitive >= 0) assert_true(fabs(fast.t - exact.t) < 1e-12 * (1.0 + fast.t));
+        if (fast.primitive != exact.primitive)
+            differ++; /* within float of an edge */
+        else if (fast.primitive >= 0)
+            assert_true(fabs(fast.t - exact.t) < 1e-12 * (1.0 + fast.t));
     }
     assert_true(differ <= 2);
     assert_true(on_sphere > 100);

@@ -1,4 +1,5 @@
-/* backend/native/follow.c: the ways of a ray: straight, by closed form (parabolas many at a time), integrated eight abreast.
+/* backend/native/follow.c: the ways of a ray: straight, by closed form (parabolas many at a time), integrated eight
+ * abreast.
  *
  * A curved ray comes as pieces (position, momentum and acceleration at both ends). Each piece is asked for its first
  * hit on the curve itself, then whether it crosses the scene's extent; what is first ends the ray. */

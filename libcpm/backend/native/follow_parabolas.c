@@ -1,8 +1,8 @@
 /* backend/native/follow_parabolas.c: many flights in a medium of linear n^2, a lot at a time, so that their arithmetic
  * overlaps: starts in lanes, then candidates, then roots and ends. Compiled once for each instruction set.
  *
- * Only what most photons are: one parabola, one chord, one hit. Whatever else may be (a cut-off, a start that looks back,
- * nothing met, the extent crossed) is left to cpm_follow_exact, which asks anew. */
+ * Only what most photons are: one parabola, one chord, one hit. Whatever else may be (a cut-off, a start that looks
+ * back, nothing met, the extent crossed) is left to cpm_follow_exact, which asks anew. */
 #include <math.h>
 #include <string.h>
 
@@ -17,8 +17,8 @@ typedef struct lot {
     double position[3][LOT], direction[3][LOT];
     double gradient[3][LOT]; /* of n^2/2: dp/dsigma */
     double n[LOT];
-    double h[LOT];     /* sigma of the piece; NaN: not for here */
-    double from[LOT];  /* theta before which nothing can be met */
+    double h[LOT];    /* sigma of the piece; NaN: not for here */
+    double from[LOT]; /* theta before which nothing can be met */
     double c1[3][LOT], c2[3][LOT];
     int32_t left[LOT];
     cpm_curve curve[LOT];
@@ -26,9 +26,6 @@ typedef struct lot {
     size_t count;
     int32_t medium;
 } lot;
-
-
-
 
 /* Where the parabola comes into the geometry's box and where it goes out, or how far the scene is large. One that turns
  * before a face goes out at another, or is longer than it need be. */
