@@ -190,7 +190,7 @@ typedef cpm_u32 cpm_half_words __attribute__((vector_size(CPM_WIDTH * 4)));
 #else
 #define word_product(a, b) ((a) * (cpm_u64)(b))
 #endif
-#define to_words(m) ((word)__builtin_convertvector(m, cpm_word_signs))
+#define to_words(m) ((word) __builtin_convertvector(m, cpm_word_signs))
 static inline word load_words(const cpm_u32 *p, int part) {
     cpm_half_words v;
     memcpy(&v, p + part * CPM_WIDTH, sizeof v);

@@ -25,7 +25,8 @@ __kernel void cpm_emit_delta(__global const cpm_emitter_data *emitter, __global 
     real3 direction;
     store_doubles(emit_delta(&e, cumulative, guide, weight, indices_of(first, index), &direction), power, 0);
     write3(direction, directions, count);
-    for (size_t i = 0, at = get_global_id(0) * CPM_WIDTH; i < CPM_WIDTH && at < count; i++, at++) weights[at] = power[i];
+    for (size_t i = 0, at = get_global_id(0) * CPM_WIDTH; i < CPM_WIDTH && at < count; i++, at++)
+        weights[at] = power[i];
 }
 
 /* Area lights: points, normals and directions (count x 3 each) and primitives (count). */

@@ -77,7 +77,8 @@ __kernel void cpm_scatter_boundary(__global const double *came, __global const d
                                    __global const double *n2, __global double *reflectance, __global double *reflected,
                                    __global double *refracted) {
     real3 back, on;
-    write1(scatter_boundary(read3(came), read3(shading), read3(geometric), read1(n1), read1(n2), &back, &on), reflectance);
+    write1(scatter_boundary(read3(came), read3(shading), read3(geometric), read1(n1), read1(n2), &back, &on),
+           reflectance);
     write3(back, reflected);
     write3(on, refracted);
 }
@@ -94,9 +95,9 @@ __kernel void cpm_scatter_roulette(__global const float *power, __global const f
 
 /* One photon a work-item: its record, and its powers (count x bins) as 16-bit floats. `at`: count x 3. */
 __kernel void cpm_scatter_store(__global const double *at, __global const uint *direction_code,
-                                __global const uint *normal_code, __global const uint *path, __global const uint *bounce,
-                                __global const int *bin, __global const float *powers, uint bins,
-                                __global cpm_photon *photons, __global ushort *spectra) {
+                                __global const uint *normal_code, __global const uint *path,
+                                __global const uint *bounce, __global const int *bin, __global const float *powers,
+                                uint bins, __global cpm_photon *photons, __global ushort *spectra) {
     size_t i = get_global_id(0);
     cpm_vec place;
     place.x = at[3 * i], place.y = at[3 * i + 1], place.z = at[3 * i + 2];

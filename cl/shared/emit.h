@@ -25,15 +25,18 @@ CPM_INLINE size_t emit_interval(CPM_GLOBAL const double *table, size_t count, do
     size_t low = 0, high = count;
     while (high - low > 1) {
         size_t middle = (low + high) / 2;
-        if (table[middle] <= wanted) low = middle;
-        else high = middle;
+        if (table[middle] <= wanted)
+            low = middle;
+        else
+            high = middle;
     }
     return low;
 }
 
 /* A point or spot light's path `index` (of its own, below 2^32): unit direction, and the weight of its power. */
-CPM_INLINE real emit_delta(const cpm_emitter_data *e, CPM_GLOBAL const double *cumulative, CPM_GLOBAL const cpm_i32 *guide,
-                           CPM_GLOBAL const float *weight, word index, real3 *direction) {
+CPM_INLINE real emit_delta(const cpm_emitter_data *e, CPM_GLOBAL const double *cumulative,
+                           CPM_GLOBAL const cpm_i32 *guide, CPM_GLOBAL const float *weight, word index,
+                           real3 *direction) {
     real u = emit_even(e, index, 0), v = emit_even(e, index, 1), power = splat(1.0);
     if (e->rows) {
         double wanted[CPM_WIDTH], chosen[CPM_WIDTH], share[CPM_WIDTH];
@@ -64,7 +67,8 @@ CPM_INLINE void emit_area_point(const cpm_emitter_data *e, CPM_GLOBAL const cpm_
                                 cpm_i32 *primitive) {
     if (e->radius > 0.0) {
         *normal = sample_cone(triple(splat(0.0), splat(0.0), splat(1.0)), splat(-1.0), u, v);
-        *point = add3(triple(splat(e->position[0]), splat(e->position[1]), splat(e->position[2])), splat(e->radius), *normal);
+        *point = add3(triple(splat(e->position[0]), splat(e->position[1]), splat(e->position[2])), splat(e->radius),
+                      *normal);
         for (int i = 0; i < CPM_WIDTH; i++) primitive[i] = e->primitive;
         return;
     }

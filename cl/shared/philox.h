@@ -1,8 +1,8 @@
-/* shared/philox.h: counter-based random numbers, Philox 4x32-10 (Salmon, Moraes, Dror, Shaw: Parallel random numbers: as
- * easy as 1, 2, 3. SC11, 2011).
+/* shared/philox.h: counter-based random numbers, Philox 4x32-10 (Salmon, Moraes, Dror, Shaw: Parallel random numbers:
+ * as easy as 1, 2, 3. SC11, 2011).
  *
- * Key: the seed. Counter: (path, block, stream, bin). A number depends on these alone: not on threads, batches, machines
- * or backend. One block is four numbers; a path uses one block a surface. */
+ * Key: the seed. Counter: (path, block, stream, bin). A number depends on these alone: not on threads, batches,
+ * machines or backend. One block is four numbers; a path uses one block a surface. */
 #ifndef CPM_SHARED_PHILOX_H
 #define CPM_SHARED_PHILOX_H
 #include "../dialect.h"

@@ -46,9 +46,9 @@ CPM_INLINE real scatter_boundary(real3 came, real3 shading, real3 geometric, rea
 }
 
 /* Where a ray that is thrown back starts: the hit, a hair back along the way that it came (1e-12 of the scene, above
- * rounding, below everything else). At an edge or in a corner the hit itself lies on several walls, and which side of the
- * others it is on is rounding's choice; the way that it came is inside of all of them. Never more than half the way back
- * to `start`. `scale`: largest coordinate of the scene. */
+ * rounding, below everything else). At an edge or in a corner the hit itself lies on several walls, and which side of
+ * the others it is on is rounding's choice; the way that it came is inside of all of them. Never more than half the way
+ * back to `start`. `scale`: largest coordinate of the scene. */
 #define CPM_STEP_BACK 1e-12
 CPM_INLINE real3 scatter_step_back(real3 hit, real3 start, real3 came, double scale) {
     real size = R(scale) + magnitude(hit.x) + magnitude(hit.y) + magnitude(hit.z);

@@ -1,8 +1,10 @@
-/* shared/sobol.h: four dimensions of Sobol's sequence, Owen-scrambled: points that cover evenly without a lattice's moire.
+/* shared/sobol.h: four dimensions of Sobol's sequence, Owen-scrambled: points that cover evenly without a lattice's
+ * moire.
  *
  * Direction numbers: Joe and Kuo, Constructing Sobol sequences with better two-dimensional projections. SIAM J. Sci.
- * Comput. 30(5), 2008: (s, a, m) = van der Corput; (1, 0, 1); (2, 1, 1 3); (3, 1, 1 3 1). Scrambling: nested, by a hash of
- * the higher bits (Laine and Karras, Stratified sampling for stochastic transparency. EGSR 2011; constants: Vegdahl 2021). */
+ * Comput. 30(5), 2008: (s, a, m) = van der Corput; (1, 0, 1); (2, 1, 1 3); (3, 1, 1 3 1). Scrambling: nested, by a hash
+ * of the higher bits (Laine and Karras, Stratified sampling for stochastic transparency. EGSR 2011; constants: Vegdahl
+ * 2021). */
 #ifndef CPM_SHARED_SOBOL_H
 #define CPM_SHARED_SOBOL_H
 #include "../dialect.h"
@@ -29,7 +31,7 @@ CPM_CONSTANT_TABLE cpm_u32 cpm_sobol_directions[CPM_SOBOL_DIMENSIONS][32] = {
 };
 
 /* Words of 32 bits in lanes of 64. */
-#define CPM_32(x) ((x) & CPM_U64(0xffffffff))
+#define CPM_32(x) ((x)&CPM_U64(0xffffffff))
 
 CPM_INLINE word reverse_bits(word x) {
     x = (x >> 16) | CPM_32(x << 16);
@@ -51,8 +53,9 @@ CPM_INLINE word owen_scramble(word reversed, cpm_u32 seed) {
     return reverse_bits(x);
 }
 
-/* The second dimension's matrix is Pascal's triangle modulo 2: column k has row j where the bits of j are among those of
- * k (Lucas). So the product is a sum over supersets, five steps for 32 bits; the sequence's bits come out reversed. */
+/* The second dimension's matrix is Pascal's triangle modulo 2: column k has row j where the bits of j are among those
+ * of k (Lucas). So the product is a sum over supersets, five steps for 32 bits; the sequence's bits come out reversed.
+ */
 CPM_INLINE word pascal_product(word x) {
     x ^= (x >> 1) & CPM_U64(0x55555555);
     x ^= (x >> 2) & CPM_U64(0x33333333);

@@ -1,5 +1,5 @@
-/* shared/vec.h: three doubles, one ray's, and what more lanes know of vectors in space than dialect.h does. Where a lane
- * is one double both are one type, so that functions of lanes take a single ray too. */
+/* shared/vec.h: three doubles, one ray's, and what more lanes know of vectors in space than dialect.h does. Where a
+ * lane is one double both are one type, so that functions of lanes take a single ray too. */
 #ifndef CPM_SHARED_VEC_H
 #define CPM_SHARED_VEC_H
 #include "../dialect.h"

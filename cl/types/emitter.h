@@ -1,9 +1,9 @@
 /* types/emitter.h: how the paths of one light start, the same memory on both sides.
  *
  * Beside it, for point and spot lights with a projection map, three tables of its cells (row by row): `cumulative`
- * (cells + 1 doubles: the probability that a cell's photons start below it), `guide` (cells ints: the cell that holds the
- * lower end of each of as many equal parts of probability) and `weight` (cells floats: what keeps the estimate unbiased).
- * For an area light of triangles `area` (triangles + 1 doubles, cumulative) and the triangles themselves. */
+ * (cells + 1 doubles: the probability that a cell's photons start below it), `guide` (cells ints: the cell that holds
+ * the lower end of each of as many equal parts of probability) and `weight` (cells floats: what keeps the estimate
+ * unbiased). For an area light of triangles `area` (triangles + 1 doubles, cumulative) and the triangles themselves. */
 #ifndef CPM_TYPES_EMITTER_H
 #define CPM_TYPES_EMITTER_H
 #include "../dialect.h"

@@ -1,22 +1,37 @@
 /* geometry/parts.h: what the files of this folder share. */
 #ifndef CPM_GEOMETRY_PARTS_H
 #define CPM_GEOMETRY_PARTS_H
-#include "embree.h"
+#include "backend/native/isa.h"
+#include "bvh.h"
 #include "geometry.h"
 
-#define ULP 1.2e-7      /* of a float, relative */
-#define START_ULPS 8.0  /* a straight float ray starts this many ulp of the scene away */
+#define ULP 1.2e-7     /* of a float, relative */
+#define START_ULPS 8.0 /* a straight float ray starts this many ulp of the scene away */
+
+struct RTCDeviceTy;
+struct RTCSceneTy;
+
+/* curve.c: cpm_geometry_curve and cpm_geometry_curves, for an instruction set. */
+typedef struct cpm_curve_code {
+    void (*first_hit)(const cpm_geometry *geometry, const cpm_curve *curve, double theta_end, int32_t left,
+                      double slack, const cpm_filter *filter, cpm_hit *hit);
+    void (*first_hits)(const cpm_geometry *geometry, const cpm_curve *curves, const double *from, const int32_t *left,
+                       size_t count, cpm_hit *hits);
+} cpm_curve_code;
 
 struct cpm_geometry {
     const cpm_triangle *triangles;
     const cpm_sphere *spheres;
     size_t triangle_count, sphere_count;
     cpm_box box;
-    cpm_vec center;  /* subtracted before anything becomes float */
-    double scale;    /* largest |coordinate - center| of the box */
-    double sagitta;
-    RTCDevice device;
-    RTCScene straight, curved;
+    cpm_vec center; /* subtracted before anything becomes float */
+    double scale;   /* largest |coordinate - center| of the box */
+    double unit;    /* 1/scale: positions in the tree are (r - center) unit */
+    double sagitta; /* a chord that strays farther from its curve is cut */
+    struct RTCDeviceTy *device;
+    struct RTCSceneTy *straight; /* Embree's, NULL until prepared */
+    cpm_bvh curved;              /* no nodes until prepared */
+    const cpm_curve_code *curve_code;
 };
 
 /* The box of a primitive, before any rounding. */

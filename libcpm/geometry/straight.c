@@ -1,5 +1,5 @@
-/* geometry/straight.c: straight rays: Embree's own triangles in float, the hit polished in double; where float's word is
- * not enough, the curve's way (curve.c), which is double. */
+/* geometry/straight.c: straight rays: Embree's own triangles in float, the hit polished in double; where float's word
+ * is not enough, the curve's way (curve.c), which is double. */
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -33,7 +33,8 @@ static void sphere_bounds(const struct RTCBoundsFunctionArguments *args) {
     o->lower_z = (float)(low[2] - g->center.z - margin), o->upper_z = (float)(high[2] - g->center.z + margin);
 }
 
-/* Spheres among Embree's triangles: the straight ray in double, t in metres. Where it meets one before `far`; 0: nowhere. */
+/* Spheres among Embree's triangles: the straight ray in double, t in metres. Where it meets one before `far`; 0:
+ * nowhere. */
 static double sphere_hit(const query *q, unsigned lane, unsigned number, float far) {
     const cpm_straight_ray *ray = q->rays[lane];
     const cpm_curve line = line_of(ray);
@@ -41,10 +42,13 @@ static double sphere_hit(const query *q, unsigned lane, unsigned number, float f
     return cpm_curve_sphere(&line, &q->geometry->spheres[number], primitive == ray->left, 0.0, (double)far);
 }
 
-/* Embree's packets of any size N are arrays of N, one after the other, in the order of struct RTCRayHit (its accessors are
- * C++ only). */
-enum { FAR = offsetof(struct RTCRay, tfar) / 4, PRIMITIVE = offsetof(struct RTCRayHit, hit.primID) / 4,
-       GEOMETRY = offsetof(struct RTCRayHit, hit.geomID) / 4 };
+/* Embree's packets of any size N are arrays of N, one after the other, in the order of struct RTCRayHit (its accessors
+ * are C++ only). */
+enum {
+    FAR = offsetof(struct RTCRay, tfar) / 4,
+    PRIMITIVE = offsetof(struct RTCRayHit, hit.primID) / 4,
+    GEOMETRY = offsetof(struct RTCRayHit, hit.geomID) / 4
+};
 
 static void sphere_occluded(const struct RTCOccludedFunctionNArguments *args) {
     float *far = (float *)(void *)args->ray + FAR * args->N;
@@ -75,10 +79,10 @@ cpm_status cpm_straight_build(cpm_context *context, cpm_geometry *g) {
     rtcSetSceneFlags(g->straight, RTC_SCENE_FLAG_ROBUST);
     if (g->triangle_count) {
         RTCGeometry mesh = rtcNewGeometry(g->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-        float *vertices = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12,
-                                                  3 * g->triangle_count);
-        unsigned *faces = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12,
-                                                  g->triangle_count);
+        float *vertices =
+            rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, 3 * g->triangle_count);
+        unsigned *faces =
+            rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, g->triangle_count);
         if (!vertices || !faces) {
             rtcReleaseGeometry(mesh);
             return embree_failed(context, g);
@@ -190,8 +194,7 @@ static void ask_four(const cpm_geometry *g, const cpm_straight_ray *const *rays,
     }
     for (int i = count; i < 4; i++) set_lane(&four, i, cpm_v(0.0, 0.0, 0.0), cpm_v(0.0, 0.0, 1.0), 0.0f);
     cpm_embree_intersect4(valid, g->straight, &q.base, &four);
-    for (int i = 0; i < count; i++)
-        settle(g, rays[i], four.hit.geomID[i], four.hit.primID[i], four.ray.tfar[i]);
+    for (int i = 0; i < count; i++) settle(g, rays[i], four.hit.geomID[i], four.hit.primID[i], four.ray.tfar[i]);
 }
 
 void cpm_geometry_straight_many(const cpm_geometry *g, const cpm_straight_ray *rays, size_t count) {
@@ -199,7 +202,7 @@ void cpm_geometry_straight_many(const cpm_geometry *g, const cpm_straight_ray *r
     int n = 0;
     for (size_t i = 0; i < count; i++) {
         rays[i].hit->primitive = -1;
-        if (!(g->triangle_count + g->sphere_count)) continue;
+        if (!g->curved.nodes) continue;
         if (rays[i].exact || rays[i].slack > 0.0 || !g->straight) {
             ask_exactly(g, &rays[i]);
             continue;
@@ -227,9 +230,14 @@ int cpm_geometry_between(const cpm_geometry *g, cpm_vec a, cpm_vec b) {
     cpm_embree_context_init(&q.base);
     q.geometry = g;
     q.rays = &only;
-    struct RTCRay ray = {.org_x = (float)local.x, .org_y = (float)local.y, .org_z = (float)local.z,
-                         .dir_x = (float)way.x, .dir_y = (float)way.y, .dir_z = (float)way.z,
-                         .tfar = 1.0f, .mask = 0xFFFFFFFFu};
+    struct RTCRay ray = {.org_x = (float)local.x,
+                         .org_y = (float)local.y,
+                         .org_z = (float)local.z,
+                         .dir_x = (float)way.x,
+                         .dir_y = (float)way.y,
+                         .dir_z = (float)way.z,
+                         .tfar = 1.0f,
+                         .mask = 0xFFFFFFFFu};
     cpm_embree_occluded(g->straight, &q.base, &ray);
     return ray.tfar < 0.0f;
 }

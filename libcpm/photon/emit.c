@@ -66,8 +66,10 @@ size_t cpm_emit(const cpm_pass *pass, const cpm_emitter *e, uint64_t path, size_
     const uint64_t index = path - e->first;
     const int area = e->light->kind == CPM_LIGHT_AREA;
     size_t carrying = 0;
-    if (area) code->emit_area(&e->data, triangles_of(pass, e), e->area, index, count, made);
-    else code->emit_delta(&e->data, p->cumulative, p->guide, p->weight, index, count, made);
+    if (area)
+        code->emit_area(&e->data, triangles_of(pass, e), e->area, index, count, made);
+    else
+        code->emit_delta(&e->data, p->cumulative, p->guide, p->weight, index, count, made);
     for (size_t i = 0; i < count; i++) {
         cpm_flight *f = &flights[carrying];
         f->direction = of_block(made->direction, i);
@@ -133,15 +135,17 @@ cpm_status cpm_emitters_create(const cpm_pass *pass, uint64_t photons, uint64_t 
         memcpy(e[i].data.position, (const double[3]){at.x, at.y, at.z}, sizeof e[i].data.position);
         memcpy(e[i].data.axis, (const double[3]){axis.x, axis.y, axis.z}, sizeof e[i].data.axis);
         e[i].weight = calloc(pass->bins, sizeof(float));
-        if (!e[i].weight) status = cpm_fail(scene->context, CPM_ERROR_OUT_OF_MEMORY, "no memory for a light");
-        else if (scene->lights[i].kind == CPM_LIGHT_AREA) status = prepare_area(pass, &e[i], seed, &mean_squared);
+        if (!e[i].weight)
+            status = cpm_fail(scene->context, CPM_ERROR_OUT_OF_MEMORY, "no memory for a light");
+        else if (scene->lights[i].kind == CPM_LIGHT_AREA)
+            status = prepare_area(pass, &e[i], seed, &mean_squared);
         else {
             e[i].region = cpm_region_at(pass, scene->lights[i].position, scene->lights[i].axis);
             double n = cpm_pass_index(pass, cpm_region_medium(&e[i].region), -1, scene->lights[i].position);
             if (!(n > 0.0))
-                status = cpm_fail(pass->context, CPM_ERROR_INVALID_ARGUMENT,
-                                  "light %zu, at (%g, %g, %g): n^2 is not positive there", i,
-                                  scene->lights[i].position.x, scene->lights[i].position.y, scene->lights[i].position.z);
+                status = cpm_fail(
+                    pass->context, CPM_ERROR_INVALID_ARGUMENT, "light %zu, at (%g, %g, %g): n^2 is not positive there",
+                    i, scene->lights[i].position.x, scene->lights[i].position.y, scene->lights[i].position.z);
         }
         cpm_random r = cpm_philox(seed, (uint32_t)i, 3, CPM_STREAM_EMIT, 0);
         memcpy(e[i].data.shift, r.v, sizeof e[i].data.shift);

@@ -30,8 +30,7 @@ static void prefer_huge(char *memory, size_t length) {
 void *cpm_pages_reserve(size_t *bytes) {
     for (size_t wanted = *bytes;; wanted /= 2) {
         const size_t length = 2 * page_size() + whole_pages(wanted);
-        char *memory =
-            mmap(NULL, length, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+        char *memory = mmap(NULL, length, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
         if (memory != MAP_FAILED) {
             prefer_huge(memory, length);
             *(size_t *)(void *)memory = length;

@@ -5,8 +5,8 @@
 #define CPM_PHOTON_PAGES_H
 #include <stddef.h>
 
-/* Room for *bytes and a page more, zero where it is not written; NULL where there is none. Where the system grants less (a limit on
- * address space), *bytes tells how much. */
+/* Room for *bytes and a page more, zero where it is not written; NULL where there is none. Where the system grants less
+ * (a limit on address space), *bytes tells how much. */
 void *cpm_pages_reserve(size_t *bytes);
 /* About to be written, all of it: faster than a page at a time. A hint. */
 void cpm_pages_expect(void *from, size_t bytes);

@@ -34,8 +34,8 @@ static void emit_delta_block(const cpm_emitter_data *given, const double *cumula
     const cpm_emitter_data e = *given; /* in registers: what is stored below does not change it */
     for (int part = 0; part < LANES_OF(count); part++) {
         real3 direction;
-        real power = emit_delta(&e, cumulative, guide, weight, indices_from(index + (uint64_t)(part * CPM_WIDTH)),
-                                &direction);
+        real power =
+            emit_delta(&e, cumulative, guide, weight, indices_from(index + (uint64_t)(part * CPM_WIDTH)), &direction);
         store_doubles(power, out->weight, part);
         store_block(direction, out->direction, part);
     }
@@ -61,7 +61,8 @@ static void meet_block(uint64_t seed, double scale, size_t count, cpm_meetings *
         philox_lanes(seed, load_words(m->path, part), load_words(m->block, part), CPM_STREAM_SCATTER,
                      load_words(m->bin, part), random);
         store_block(scatter_diffuse(facing, random), m->toward, part);
-        store_block(scatter_step_back(load_block(m->hit, part), load_block(m->start, part), came, scale), m->from, part);
+        store_block(scatter_step_back(load_block(m->hit, part), load_block(m->start, part), came, scale), m->from,
+                    part);
         store_doubles(uniform_lanes(random[2]), m->chance, part);
         store_words(octahedral_encode(came), m->direction_code, part);
         store_words(octahedral_encode(facing), m->normal_code, part);
@@ -78,7 +79,8 @@ static void power_block(const float *restrict weight, size_t count, const float 
         }
 }
 
-/* restrict holds in functions that are not inlined only, and without it the loops are mostly checks of what overlaps. */
+/* restrict holds in functions that are not inlined only, and without it the loops are mostly checks of what overlaps.
+ */
 #define APART static __attribute__((noinline))
 
 APART void roulette_bins(const float *restrict before, const float *restrict reflectance, const float *restrict share,
@@ -134,10 +136,11 @@ static void settle_bins(const cpm_powers *p, const cpm_dither_table *table, cons
 static void settle_block(const cpm_powers *all, size_t count, const cpm_dither_table *table,
                          const cpm_roulette_rows *rows) {
     for (size_t i = 0; i < count; i++)
-        if (all[i].bins == 1) settle_one(&all[i], table, rows);
-        else settle_bins(&all[i], table, rows);
+        if (all[i].bins == 1)
+            settle_one(&all[i], table, rows);
+        else
+            settle_bins(&all[i], table, rows);
 }
 
 extern const cpm_pass_code NAME(cpm_pass_code);
-const cpm_pass_code NAME(cpm_pass_code) = {emit_delta_block, emit_area_block, meet_block, power_block,
-                                           settle_block};
+const cpm_pass_code NAME(cpm_pass_code) = {emit_delta_block, emit_area_block, meet_block, power_block, settle_block};

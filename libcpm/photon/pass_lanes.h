@@ -1,5 +1,5 @@
-/* photon/pass_lanes.h: the photon pass's arithmetic on blocks of paths, compiled for each instruction set. The physics is
- * cl/shared/emit.h, scatter.h and store.h; results do not depend on the instruction set. */
+/* photon/pass_lanes.h: the photon pass's arithmetic on blocks of paths, compiled for each instruction set. The physics
+ * is cl/shared/emit.h, scatter.h and store.h; results do not depend on the instruction set. */
 #ifndef CPM_PHOTON_PASS_LANES_H
 #define CPM_PHOTON_PASS_LANES_H
 #include <stdint.h>
@@ -21,7 +21,7 @@ typedef struct cpm_emissions {
 typedef struct cpm_meetings {
     /* in */
     double came[3][CPM_BLOCK], start[3][CPM_BLOCK], hit[3][CPM_BLOCK];
-    double normal[3][CPM_BLOCK], factor[CPM_BLOCK]; /* geometric, of any length; 1/length^2 */
+    double normal[3][CPM_BLOCK], factor[CPM_BLOCK];             /* geometric, of any length; 1/length^2 */
     uint32_t path[CPM_BLOCK], block[CPM_BLOCK], bin[CPM_BLOCK]; /* counters of the random numbers */
     /* out */
     double toward[3][CPM_BLOCK], from[3][CPM_BLOCK]; /* direction and start of a survivor */
@@ -43,11 +43,11 @@ typedef struct cpm_roulette_rows {
 /* Powers of one path at a surface: bins [first, first + bins) of the film's. */
 typedef struct cpm_powers {
     const float *before, *reflectance, *share; /* share: of the largest reflectance; bins each */
-    float *after;       /* NULL: nothing goes on, all is absorbed. Not where `before` is */
-    uint16_t *spectrum; /* where they are stored first; NULL: not stored */
-    uint32_t dither;    /* of the stored ones */
+    float *after;                              /* NULL: nothing goes on, all is absorbed. Not where `before` is */
+    uint16_t *spectrum;                        /* where they are stored first; NULL: not stored */
+    uint32_t dither;                           /* of the stored ones */
     uint32_t first, bins;
-    int32_t alive;      /* what roulette says */
+    int32_t alive; /* what roulette says */
 } cpm_powers;
 
 typedef struct cpm_pass_code {
@@ -58,7 +58,8 @@ typedef struct cpm_pass_code {
                       size_t count, cpm_emissions *out);
     void (*meet)(uint64_t seed, double scale, size_t count, cpm_meetings *m);
     /* powers[i bins + b] = weight[i] spectrum[b]; also added to emitted[bins]. */
-    void (*power)(const float *weight, size_t count, const float *spectrum, size_t bins, float *powers, double *emitted);
+    void (*power)(const float *weight, size_t count, const float *spectrum, size_t bins, float *powers,
+                  double *emitted);
     /* Stores powers, then plays roulette with them. */
     void (*settle)(const cpm_powers *all, size_t count, const cpm_dither_table *table, const cpm_roulette_rows *rows);
 } cpm_pass_code;

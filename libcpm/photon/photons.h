@@ -24,7 +24,7 @@ struct cpm_photons {
     cpm_context *context;
     size_t bins;
     double *wavelengths;
-    cpm_vec origin; /* subtracted from stored positions */
+    cpm_vec origin;  /* subtracted from stored positions */
     double diagonal; /* of the scene: the default max_radius */
     cpm_tree *trees[CPM_POPULATIONS];
     double *energy; /* CPM_ENERGY_ROWS x bins */
@@ -34,22 +34,22 @@ struct cpm_photons {
 /* A light's directions cut into cells of equal solid angle, rows of cos theta by columns of azimuth about its axis. */
 typedef struct cpm_projection {
     int32_t rows, columns;
-    double *cumulative;   /* cells + 1: probability that a cell's photons start below it */
-    int32_t *guide;       /* cells: the cell that holds the lower end of each of as many equal parts of probability */
-    float *weight;        /* cells: what keeps the estimate unbiased */
+    double *cumulative; /* cells + 1: probability that a cell's photons start below it */
+    int32_t *guide;     /* cells: the cell that holds the lower end of each of as many equal parts of probability */
+    float *weight;      /* cells: what keeps the estimate unbiased */
     uint64_t active, caustic;
 } cpm_projection;
 
 /* How the paths of one light start. */
 typedef struct cpm_emitter {
     const light *light;
-    cpm_emitter_data data;  /* what cl/shared/emit.h reads */
-    uint64_t first, count;  /* its path numbers */
-    float *weight;          /* bins: power of one of its paths over the scale */
+    cpm_emitter_data data;     /* what cl/shared/emit.h reads */
+    uint64_t first, count;     /* its path numbers */
+    float *weight;             /* bins: power of one of its paths over the scale */
     cpm_projection projection; /* no cells: all directions alike */
-    cpm_region region;      /* where a point or spot light sits */
-    double *area;           /* area light: cumulative area of its triangles */
-    double power_factor;    /* area light: 1/mean n^2, so that a weight of 1 is the mean */
+    cpm_region region;         /* where a point or spot light sits */
+    double *area;              /* area light: cumulative area of its triangles */
+    double power_factor;       /* area light: 1/mean n^2, so that a weight of 1 is the mean */
 } cpm_emitter;
 
 /* project.c */

@@ -1,7 +1,7 @@
 /* photon/store.h: stored photons of one population, filled by all threads at once.
  *
- * A thread claims a run of places at a time and fills it; nothing moves until the end, when the places that the threads'
- * last runs left open are filled from the top. Pages are touched once, by the thread that writes them. */
+ * A thread claims a run of places at a time and fills it; nothing moves until the end, when the places that the
+ * threads' last runs left open are filled from the top. Pages are touched once, by the thread that writes them. */
 #ifndef CPM_PHOTON_STORE_H
 #define CPM_PHOTON_STORE_H
 #include <stddef.h>

@@ -1,8 +1,8 @@
 /* photon/trace.c: the photon pass: emit, follow curved paths, store, Russian roulette.
  *
  * Paths go in batches: all of a batch are followed to their next surface (so that rays fill their lanes), then each is
- * scattered; survivors go on. Those that met something diffuse are scattered in blocks, by lanes (pass_lanes.h); mirrors
- * and boundaries one by one. Random numbers are keyed by (seed, path, surface, bin), never by the batch. */
+ * scattered; survivors go on. Those that met something diffuse are scattered in blocks, by lanes (pass_lanes.h);
+ * mirrors and boundaries one by one. Random numbers are keyed by (seed, path, surface, bin), never by the batch. */
 #include <math.h>
 #include <omp.h>
 #include <stdlib.h>
@@ -121,8 +121,8 @@ static cpm_random random_of(const task *t, const walker *w, const cpm_flight *fl
 
 static cpm_roulette_rows rows_of(const task *t) {
     const size_t bins = t->pass->bins;
-    return (cpm_roulette_rows){&t->energy[CPM_ABSORBED * bins], &t->energy[CPM_GAIN * bins], &t->energy[CPM_LOSS * bins],
-                               &t->energy[CPM_VARIANCE * bins]};
+    return (cpm_roulette_rows){&t->energy[CPM_ABSORBED * bins], &t->energy[CPM_GAIN * bins],
+                               &t->energy[CPM_LOSS * bins], &t->energy[CPM_VARIANCE * bins]};
 }
 
 /* Roulette at a surface, with the random number `chance`; what survives would go to `after`. */
@@ -151,7 +151,8 @@ static void store(task *t, const walker *w, const cpm_flight *flight, const cpm_
         t->failed = 1;
         return;
     }
-    cpm_photon_pack(photon, cpm_sub(a->hit.position, t->origin), direction, normal, index, w->path, w->bounce, flight->bin);
+    cpm_photon_pack(photon, cpm_sub(a->hit.position, t->origin), direction, normal, index, w->path, w->bounce,
+                    flight->bin);
     p->spectrum = &t->parts[population].store->spectra[index];
     p->dither = cpm_dither_start(w->path, w->bounce, flight->bin < 0 ? CPM_ALL_BINS : (uint32_t)flight->bin);
     t->stored_bytes += sizeof *photon + p->bins * sizeof *p->spectrum;
@@ -267,8 +268,8 @@ static void meet_boundary(task *t, walker *w, const cpm_flight *f, const cpm_arr
     survive(t, w, flight, powers, count);
 }
 
-/* What a path does where it has arrived. Returns the material if it is diffuse or black, to be dealt with in a block, else
- * CPM_NO_MATERIAL. */
+/* What a path does where it has arrived. Returns the material if it is diffuse or black, to be dealt with in a block,
+ * else CPM_NO_MATERIAL. */
 static int32_t arrive(task *t, size_t number, const cpm_arrival *a) {
     const cpm_scene *scene = t->pass->scene;
     walker *w = &t->now.walkers[number];
@@ -282,9 +283,12 @@ static int32_t arrive(task *t, size_t number, const cpm_arrival *a) {
     }
     const int32_t material = scene->shapes[cpm_primitive_shape(scene, a->hit.primitive)].material;
     const int32_t kind = material == CPM_NO_MATERIAL ? CPM_MATERIAL_DIELECTRIC : scene->materials[material].kind;
-    if (kind == CPM_MATERIAL_DIELECTRIC) meet_boundary(t, w, f, a, powers);
-    else if (kind == CPM_MATERIAL_MIRROR) meet_mirror(t, w, f, a, powers, material);
-    else return material;
+    if (kind == CPM_MATERIAL_DIELECTRIC)
+        meet_boundary(t, w, f, a, powers);
+    else if (kind == CPM_MATERIAL_MIRROR)
+        meet_mirror(t, w, f, a, powers, material);
+    else
+        return material;
     return CPM_NO_MATERIAL;
 }
 
@@ -317,8 +321,10 @@ static void emit_block(task *t, const cpm_emitter *e, uint64_t path, size_t coun
         t->code->power(weights, count, e->weight, bins, &t->next.powers[t->next.count * bins], emitted);
     for (size_t i = 0; i < count && !t->failed; i++) {
         if (apart) {
-            if (!crowd_reserve(&t->next, 1)) t->failed = 1;
-            else t->code->power(&weights[i], 1, e->weight, bins, &t->next.powers[t->next.count * bins], emitted);
+            if (!crowd_reserve(&t->next, 1))
+                t->failed = 1;
+            else
+                t->code->power(&weights[i], 1, e->weight, bins, &t->next.powers[t->next.count * bins], emitted);
             if (t->failed) return;
             if (t->pass->disperses[cpm_region_medium(&flights[i].region)]) {
                 start_apart(t, paths[i], &flights[i]);
@@ -392,10 +398,10 @@ static void run_batch(task *t, uint64_t first, uint64_t end) {
 typedef struct shared_work {
     const cpm_pass *pass;
     uint64_t photons, batch, batches;
-    uint64_t next;     /* atomic */
-    double *energies;  /* batches x CPM_ENERGY_ROWS x bins */
+    uint64_t next;    /* atomic */
+    double *energies; /* batches x CPM_ENERGY_ROWS x bins */
     uint64_t segments, lost, emitted;
-    double *evaluations; /* batches */
+    double *evaluations;        /* batches */
     uint64_t bytes, most_bytes; /* of all stores, and what they may take */
     float *shares;
     cpm_store_part *parts; /* threads x populations */
@@ -455,8 +461,7 @@ static int prepare(shared_work *shared, int32_t threads, cpm_store stores[CPM_PO
 }
 
 static void close_stores(const shared_work *shared, int32_t threads, cpm_store stores[CPM_POPULATIONS]) {
-    for (int p = 0; p < CPM_POPULATIONS; p++)
-        cpm_store_close(&stores[p], &shared->parts[p * threads], (size_t)threads);
+    for (int p = 0; p < CPM_POPULATIONS; p++) cpm_store_close(&stores[p], &shared->parts[p * threads], (size_t)threads);
 }
 
 cpm_status cpm_trace_paths(const cpm_pass *pass, const cpm_emitter *emitters, size_t emitter_count, uint64_t photons,
@@ -473,8 +478,14 @@ cpm_status cpm_trace_paths(const cpm_pass *pass, const cpm_emitter *emitters, si
     shared.failed = !prepare(&shared, threads, stores);
 #pragma omp parallel num_threads(threads) if (!shared.failed)
     {
-        task t = {.pass = pass, .code = cpm_pass_code_chosen(), .emitters = emitters, .emitter_count = emitter_count,
-                  .shares = shared.shares, .dither = &dither, .seed = seed, .origin = origin};
+        task t = {.pass = pass,
+                  .code = cpm_pass_code_chosen(),
+                  .emitters = emitters,
+                  .emitter_count = emitter_count,
+                  .shares = shared.shares,
+                  .dither = &dither,
+                  .seed = seed,
+                  .origin = origin};
         const int number = omp_get_thread_num();
         for (int p = 0; p < CPM_POPULATIONS; p++) t.parts[p].store = &stores[p];
         t.now.bins = t.next.bins = pass->bins;
@@ -499,11 +510,14 @@ cpm_status cpm_trace_paths(const cpm_pass *pass, const cpm_emitter *emitters, si
     stats->photons_lost = shared.lost;
     stats->photon_evaluations = (uint64_t)evaluations;
     if (shared.too_many)
-        return cpm_fail(context, CPM_ERROR_OUT_OF_MEMORY, "photons is %llu: those stored take more than %.1f GB, %.0f %% of "
-                        "this machine's memory; ask for fewer", (unsigned long long)photons,
-                        1e-9 * (double)shared.most_bytes, 100.0 * MEMORY_SHARE);
-    if (shared.failed) return cpm_fail(context, CPM_ERROR_OUT_OF_MEMORY, "no memory to store the photons of %llu paths",
-                                       (unsigned long long)photons);
-    if (cpm_progress(context, "trace", 1.0)) return cpm_fail(context, CPM_ERROR_CANCELLED, "cancelled while tracing photons");
+        return cpm_fail(context, CPM_ERROR_OUT_OF_MEMORY,
+                        "photons is %llu: those stored take more than %.1f GB, %.0f %% of "
+                        "this machine's memory; ask for fewer",
+                        (unsigned long long)photons, 1e-9 * (double)shared.most_bytes, 100.0 * MEMORY_SHARE);
+    if (shared.failed)
+        return cpm_fail(context, CPM_ERROR_OUT_OF_MEMORY, "no memory to store the photons of %llu paths",
+                        (unsigned long long)photons);
+    if (cpm_progress(context, "trace", 1.0))
+        return cpm_fail(context, CPM_ERROR_CANCELLED, "cancelled while tracing photons");
     return CPM_OK;
 }

@@ -27,7 +27,7 @@ struct cpm_tree {
     cpm_photon *photons; /* leaf after leaf; within a leaf by (path, bounce, bin) */
     uint16_t *spectra;
     void (*release_spectra)(void *); /* how they are freed */
-    float *points; /* of a leaf with first photon f: from points + 3 f */
+    float *points;                   /* of a leaf with first photon f: from points + 3 f */
     cpm_node *nodes;
     size_t count, spectra_count, node_count, bins;
     uint32_t top;    /* number of the uppermost node */

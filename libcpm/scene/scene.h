@@ -36,7 +36,7 @@ typedef struct shape {
     int32_t is_sphere;
     size_t first, count; /* triangles, or the one sphere */
     int32_t has_normals;
-    int32_t closed;      /* -1: not looked at yet */
+    int32_t closed; /* -1: not looked at yet */
     double area;
     cpm_box box;
 } shape;
@@ -63,7 +63,7 @@ struct cpm_scene {
     cpm_box extent;
     cpm_triangle *triangles;
     cpm_sphere *spheres;
-    float *normals;             /* 9 a triangle, allocated when a mesh brings some */
+    float *normals; /* 9 a triangle, allocated when a mesh brings some */
     int32_t *triangle_shape;
     int32_t *sphere_shape;
     size_t triangle_count, triangle_capacity, sphere_count, sphere_capacity;

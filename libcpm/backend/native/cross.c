@@ -109,7 +109,8 @@ int cpm_pass_boundary(const cpm_pass *pass, const cpm_flight *flight, const cpm_
 
     cpm_vec normal = cpm_shading_normal(pass->scene, &arrival->hit, geometric), reflected, refracted;
     passage->jumps = 1;
-    passage->reflectance = scatter_boundary(arrival->direction, normal, geometric, arrival->n, n, &reflected, &refracted);
+    passage->reflectance =
+        scatter_boundary(arrival->direction, normal, geometric, arrival->n, n, &reflected, &refracted);
     passage->total = passage->reflectance >= 1.0;
     passage->reflected = cpm_depart(pass, flight, arrival, reflected);
     if (!passage->total) passage->transmitted.direction = refracted;

@@ -1,4 +1,5 @@
-/* backend/native/follow.c: the three ways of a ray: straight, by closed form, integrated eight abreast.
+/* backend/native/follow.c: the ways of a ray: straight, by closed form (parabolas many at a time), integrated eight
+ * abreast.
  *
  * A curved ray comes as pieces (position, momentum and acceleration at both ends). Each piece is asked for its first
  * hit on the curve itself, then whether it crosses the scene's extent; what is first ends the ray. */
@@ -7,6 +8,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "parabolas.h"
 #include "piece_end.h"
 
 #define STRAIGHT 32 /* rays asked for at a time */
@@ -37,7 +39,8 @@ static int surely_inside(const cpm_pass *pass, const cpm_flight *flight, const c
 
 static void keep_line(const cpm_flight *flight, const cpm_follow_options *options, size_t number,
                       const cpm_arrival *arrival) {
-    cpm_piece piece = {.h = arrival->length / arrival->n, .length1 = arrival->length, .n0 = arrival->n, .n1 = arrival->n};
+    cpm_piece piece = {
+        .h = arrival->length / arrival->n, .length1 = arrival->length, .n0 = arrival->n, .n1 = arrival->n};
     const cpm_vec r = flight->position, p = cpm_scaled(arrival->n, flight->direction), e = arrival->hit.position;
     memcpy(piece.r0, (const double[3]){r.x, r.y, r.z}, sizeof piece.r0);
     memcpy(piece.p0, (const double[3]){p.x, p.y, p.z}, sizeof piece.p0);
@@ -102,13 +105,23 @@ static void follow_straight(const cpm_pass *pass, const cpm_flight *flights, siz
     }
 }
 
+static int is_parabolic(const cpm_pass *pass, int32_t medium) {
+    return pass->scene->media[medium].medium->data.kind == CPM_MEDIUM_LINEAR_SQUARED;
+}
+
 void cpm_follow(const cpm_pass *pass, const cpm_flight *flights, size_t count, const cpm_follow_options *options,
                 cpm_arrival *arrivals) {
     follow_straight(pass, flights, count, options, arrivals);
     if (pass->features & CPM_FEATURE_EXACT)
-        for (size_t i = 0; i < count; i++)
-            if (pass->way[cpm_region_medium(&flights[i].region)] == CPM_WAY_EXACT)
+        for (size_t i = 0; i < count; i++) {
+            const int32_t medium = cpm_region_medium(&flights[i].region);
+            if (pass->way[medium] == CPM_WAY_EXACT && (options || !is_parabolic(pass, medium)))
                 cpm_follow_exact(pass, &flights[i], options, i, &arrivals[i]);
+        }
+    if ((pass->features & CPM_FEATURE_EXACT) && !options)
+        for (size_t m = 0; m < pass->scene->medium_count; m++)
+            if (pass->way[m] == CPM_WAY_EXACT && is_parabolic(pass, (int32_t)m))
+                cpm_parabolas_chosen()(pass, flights, count, (int32_t)m, arrivals);
     if (pass->features & CPM_FEATURE_INTEGRATOR)
         for (size_t m = 0; m < pass->scene->medium_count; m++)
             if (pass->way[m] == CPM_WAY_INTEGRATED)
