@@ -22,7 +22,8 @@ __kernel void cpm_shade_normal(__global const float *normals, __global const dou
     double column[3][CPM_WIDTH];
     real3 corner[3], g = triple(splat(geometric[3 * i]), splat(geometric[3 * i + 1]), splat(geometric[3 * i + 2]));
     for (int c = 0; c < 3; c++)
-        corner[c] = triple(splat(normals[9 * i + 3 * c]), splat(normals[9 * i + 3 * c + 1]), splat(normals[9 * i + 3 * c + 2]));
+        corner[c] =
+            triple(splat(normals[9 * i + 3 * c]), splat(normals[9 * i + 3 * c + 1]), splat(normals[9 * i + 3 * c + 2]));
     real3 n = shade_normal(corner[0], corner[1], corner[2], splat(u[i]), splat(v[i]), g);
     store_doubles(n.x, column[0], 0), store_doubles(n.y, column[1], 0), store_doubles(n.z, column[2], 0);
     for (int k = 0; k < 3; k++) out[3 * i + k] = column[k][0];
