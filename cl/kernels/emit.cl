@@ -1,14 +1,14 @@
 /* kernels/emit.cl: how paths start; each work-item starts CPM_WIDTH of them, numbered first, first + 1, ... */
 #include "shared/emit.h"
 
-word indices_of(ulong first, uint *index);
-word indices_of(ulong first, uint *index) {
+word emit_indices(ulong first, uint *index);
+word emit_indices(ulong first, uint *index) {
     for (int i = 0; i < CPM_WIDTH; i++) index[i] = (uint)(first + get_global_id(0) * CPM_WIDTH + i);
     return load_words(index, 0);
 }
 
-void write3(real3 v, __global double *to, ulong count);
-void write3(real3 v, __global double *to, ulong count) {
+void emit_write3(real3 v, __global double *to, ulong count);
+void emit_write3(real3 v, __global double *to, ulong count) {
     double column[3][CPM_WIDTH];
     store_doubles(v.x, column[0], 0), store_doubles(v.y, column[1], 0), store_doubles(v.z, column[2], 0);
     for (size_t i = 0, at = get_global_id(0) * CPM_WIDTH; i < CPM_WIDTH && at < count; i++, at++)
@@ -23,8 +23,8 @@ __kernel void cpm_emit_delta(__global const cpm_emitter_data *emitter, __global 
     uint index[CPM_WIDTH];
     double power[CPM_WIDTH];
     real3 direction;
-    store_doubles(emit_delta(&e, cumulative, guide, weight, indices_of(first, index), &direction), power, 0);
-    write3(direction, directions, count);
+    store_doubles(emit_delta(&e, cumulative, guide, weight, emit_indices(first, index), &direction), power, 0);
+    emit_write3(direction, directions, count);
     for (size_t i = 0, at = get_global_id(0) * CPM_WIDTH; i < CPM_WIDTH && at < count; i++, at++)
         weights[at] = power[i];
 }
@@ -37,10 +37,10 @@ __kernel void cpm_emit_area(__global const cpm_emitter_data *emitter, __global c
     uint index[CPM_WIDTH];
     int primitive[CPM_WIDTH];
     real3 point, normal, direction;
-    emit_area(&e, triangles, area, indices_of(first, index), &point, &normal, &direction, primitive);
-    write3(point, points, count);
-    write3(normal, normals, count);
-    write3(direction, directions, count);
+    emit_area(&e, triangles, area, emit_indices(first, index), &point, &normal, &direction, primitive);
+    emit_write3(point, points, count);
+    emit_write3(normal, normals, count);
+    emit_write3(direction, directions, count);
     for (size_t i = 0, at = get_global_id(0) * CPM_WIDTH; i < CPM_WIDTH && at < count; i++, at++)
         primitives[at] = primitive[i];
 }
