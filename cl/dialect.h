@@ -56,6 +56,9 @@ typedef long cpm_i64;
 #include <stddef.h>
 #include <stdint.h>
 #include <string.h>
+#if defined(__SSE2__) && CPM_WIDTH > 1
+#include <immintrin.h>
+#endif
 #define CPM_GLOBAL
 #define CPM_CONSTANT_TABLE static const
 typedef uint32_t cpm_u32;
@@ -155,6 +158,55 @@ static inline void store_lanes(real v, scalar *p, size_t i) { memcpy(p + i * CPM
 #endif /* ------------------------------------------------------------------------------------------------ both sides  \
         */
 
+/* A `word` is CPM_WIDTH unsigned integers of 64 bits, for random bits: products of 32 bits fit. In memory they are 32.
+ * word_product takes words below 2^32, and a number below 2^32. */
+#if CPM_WIDTH == 1
+typedef cpm_u64 word;
+#define splat_word(s) ((word)(s))
+#define to_words(m) ((word)(cpm_i64)(m))
+#define load_words(p, part) ((word)(p)[part])
+#define store_words(w, p, part) ((p)[part] = (cpm_u32)(w))
+#define word_reals(w) ((real)(w))
+#define word_product(a, b) ((word)(a) * (b))
+#elif defined(__OPENCL_VERSION__)
+typedef CPM_GLUE(ulong, CPM_WIDTH) word;
+#define splat_word(s) ((word)((ulong)(s)))
+#define to_words(m) CPM_GLUE(convert_ulong, CPM_WIDTH)(CPM_GLUE(convert_long, CPM_WIDTH)(m))
+#define load_words(p, part) CPM_GLUE(convert_ulong, CPM_WIDTH)(CPM_GLUE(vload, CPM_WIDTH)(part, p))
+#define store_words(w, p, part) CPM_GLUE(vstore, CPM_WIDTH)(CPM_GLUE(convert_uint, CPM_WIDTH)(w), part, p)
+#define word_reals(w) CPM_GLUE(convert_, CPM_GLUE(CPM_SCALAR, CPM_WIDTH))(w)
+#define word_product(a, b) ((a) * (b))
+#else
+typedef cpm_u64 word __attribute__((vector_size(CPM_WIDTH * 8)));
+typedef cpm_i64 cpm_word_signs __attribute__((vector_size(CPM_WIDTH * 8)));
+typedef cpm_u32 cpm_half_words __attribute__((vector_size(CPM_WIDTH * 4)));
+#define splat_word(s) ((cpm_u64)(s) + (word){0})
+#if defined(__AVX512F__) && CPM_WIDTH == 8 /* gcc does not see that 32 x 32 bits is all that is asked */
+#define word_product(a, b) ((word)_mm512_mul_epu32((__m512i)(a), (__m512i)splat_word(b)))
+#elif defined(__AVX2__) && CPM_WIDTH == 4
+#define word_product(a, b) ((word)_mm256_mul_epu32((__m256i)(a), (__m256i)splat_word(b)))
+#elif defined(__SSE2__) && CPM_WIDTH == 2
+#define word_product(a, b) ((word)_mm_mul_epu32((__m128i)(a), (__m128i)splat_word(b)))
+#else
+#define word_product(a, b) ((a) * (cpm_u64)(b))
+#endif
+#define to_words(m) ((word) __builtin_convertvector(m, cpm_word_signs))
+static inline word load_words(const cpm_u32 *p, int part) {
+    cpm_half_words v;
+    memcpy(&v, p + part * CPM_WIDTH, sizeof v);
+    return __builtin_convertvector(v, word);
+}
+static inline void store_words(word w, cpm_u32 *p, int part) {
+    cpm_half_words v = __builtin_convertvector(w, cpm_half_words);
+    memcpy(p + part * CPM_WIDTH, &v, sizeof v);
+}
+#if CPM_SINGLE
+#define word_reals(w) __builtin_convertvector(w, real)
+#else /* below 2^32: the mantissa of 2^52 + w, as few machines convert 64 bits */
+#define word_reals(w) ((real)((w) | CPM_U64(0x4330000000000000)) - 4503599627370496.0)
+#endif
+#endif
+
 /* The bits of a real as integers, and back. */
 #if CPM_WIDTH == 1 && defined(__OPENCL_VERSION__)
 #define bits_of(x) CPM_GLUE(as_, CPM_INTEGER)(x)
@@ -218,6 +270,9 @@ CPM_INLINE real floor_lanes(real x) {
     real nearest = (x + CPM_MAGIC) - CPM_MAGIC;
     return nearest - pick(less(x, nearest), splat(1.0), splat(0.0));
 }
+
+/* An integer in [0, 2^22) as a word, by the same addition. */
+#define real_words(x) to_words(bits_of((x) + CPM_MAGIC) - bits_of(splat(CPM_MAGIC)))
 
 /* log2 and 2^x to 6 %, for step sizes: the bits of a positive number are its logarithm, linear between powers of two.
  */

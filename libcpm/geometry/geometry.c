@@ -8,12 +8,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cl/shared/scatter.h"
 #include "embree.h"
 #include "parts.h"
 
 #define SAGITTA_OF_DIAGONAL 0.02 /* the farthest that a chord may be from its curve: of the scene */
 #define SAGITTA_OF_EDGE 0.5      /* and of the median edge of small triangles */
-#define STEP_BACK 1e-12
 
 int cpm_triangle_complete(cpm_triangle *t, double scale) {
     cpm_vec e1 = cpm_v(t->edge1[0], t->edge1[1], t->edge1[2]), e2 = cpm_v(t->edge2[0], t->edge2[1], t->edge2[2]);
@@ -51,6 +51,8 @@ static double choose_sagitta(const cpm_geometry *g, double diagonal) {
 }
 
 cpm_box cpm_geometry_box(const cpm_geometry *geometry) { return geometry->box; }
+
+double cpm_geometry_scale(const cpm_geometry *geometry) { return geometry->scale; }
 
 void cpm_primitive_box(const cpm_geometry *g, size_t primitive, double low[3], double high[3]) {
     if (primitive < g->triangle_count) {
@@ -208,9 +210,7 @@ int cpm_clip_to_box(const cpm_geometry *g, cpm_vec o, cpm_vec d, double grow, do
 }
 
 cpm_vec cpm_geometry_step_back(const cpm_geometry *g, const cpm_hit *hit, cpm_vec start, cpm_vec came) {
-    double size = g->scale + fabs(hit->position.x) + fabs(hit->position.y) + fabs(hit->position.z);
-    double back = cpm_min(STEP_BACK * size, 0.5 * cpm_norm(cpm_sub(hit->position, start)));
-    return cpm_along(hit->position, -back, came);
+    return scatter_step_back(hit->position, start, came, g->scale);
 }
 
 int cpm_geometry_near_edge(const cpm_geometry *g, const cpm_hit *hit) {
