@@ -8,7 +8,7 @@
 #include "cl/types/emitter.h"
 #include "cl/types/geometry.h"
 
-#define CPM_BLOCK 64 /* paths at a time: their numbers stay in the nearest cache */
+#define CPM_BLOCK 16 /* paths at a time: their numbers stay in the nearest cache (64: 8 % slower) */
 
 typedef struct cpm_emissions {
     double position[3][CPM_BLOCK], normal[3][CPM_BLOCK]; /* of area lights only */

@@ -9,6 +9,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "backend/native/parabolas.h"
 #include "cl/shared/scatter.h"
 #include "cl/shared/store.h"
 #include "photons.h"
@@ -377,6 +378,13 @@ static void advance(task *t, size_t first, size_t count) {
     }
 }
 
+/* Paths that are followed at a time: few, so that their arrivals stay in the nearest cache, but as many as fill the
+ * lanes of curved rays. */
+static size_t share_of(const task *t) {
+    if (t->pass->features & CPM_FEATURE_INTEGRATOR) return t->now.count;
+    return t->pass->features & CPM_FEATURE_CURVED ? CPM_PARABOLAS : CPM_BLOCK;
+}
+
 static void run_batch(task *t, uint64_t first, uint64_t end) {
     t->next.count = 0;
     emit_batch(t, first, end);
@@ -385,8 +393,7 @@ static void run_batch(task *t, uint64_t first, uint64_t end) {
         t->now = t->next;
         t->next = swap;
         t->next.count = 0;
-        /* a block's arrivals stay in the nearest cache; integrated rays want many to fill their lanes */
-        const size_t share = t->pass->features & CPM_FEATURE_INTEGRATOR ? t->now.count : CPM_BLOCK;
+        const size_t share = share_of(t);
         if (!arrivals_reserve(t, share)) return;
         for (size_t i = 0; i < t->now.count && !t->failed; i += share)
             advance(t, i, t->now.count - i < share ? t->now.count - i : share);

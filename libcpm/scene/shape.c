@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cl/shared/shade.h"
 #include "scene.h"
 
 cpm_status cpm_scene_fill_shape(cpm_scene *scene, cpm_medium *medium, int32_t shape);
@@ -255,12 +256,7 @@ cpm_vec cpm_shading_normal(const cpm_scene *scene, const cpm_hit *hit, cpm_vec g
         !scene->shapes[scene->triangle_shape[hit->primitive]].has_normals)
         return geometric;
     const float *n = &scene->normals[9 * (size_t)hit->primitive];
-    double w = 1.0 - hit->u - hit->v;
-    cpm_vec s = cpm_v(w * (double)n[0] + hit->u * (double)n[3] + hit->v * (double)n[6],
-                      w * (double)n[1] + hit->u * (double)n[4] + hit->v * (double)n[7],
-                      w * (double)n[2] + hit->u * (double)n[5] + hit->v * (double)n[8]);
-    double length = cpm_norm(s);
-    if (!(length > 1e-9)) return geometric;
-    s = cpm_scaled(1.0 / length, s);
-    return cpm_vdot(s, geometric) > 0.0 ? s : cpm_scaled(-1.0, s);
+    cpm_vec corner[3];
+    for (int k = 0; k < 3; k++) corner[k] = cpm_v((double)n[3 * k], (double)n[3 * k + 1], (double)n[3 * k + 2]);
+    return shade_normal(corner[0], corner[1], corner[2], hit->u, hit->v, geometric);
 }

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 ROOT = Path(__file__).resolve().parents[2]
-BLOCK = 64
+BLOCK = 16
 FLAGS = ["-std=c11", "-O3", "-fPIC", "-shared", "-D_POSIX_C_SOURCE=200809L", "-Wno-psabi", "-ffp-contract=off",
          "-fno-math-errno", "-fno-trapping-math", f"-I{ROOT}", f"-I{ROOT / 'libcpm'}", f"-I{ROOT / 'libcpm/include'}"]
 ISAS = {"baseline": [], "v3": ["-march=x86-64-v3"], "v4": ["-march=x86-64-v4", "-mprefer-vector-width=512"]}
