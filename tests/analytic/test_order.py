@@ -35,7 +35,7 @@ MEDIA["layered-cubic"] = (
     lambda: cpm.media.Layered(_HEIGHTS, _tanh(_HEIGHTS), up=(0, 1, 0), interpolation="cubic"),
     _smooth_reference,
 )
-_LENS = (2.0, 3.5, (0.1, -0.2, 0.3))
+_LENS = (2.0, 6.0, (0.1, -0.2, 0.3))
 MEDIA["parabolic"] = (
     lambda: cpm.media.Parabolic(1.5, 0.3, axis=(1, 0.2, 0)),
     lambda: central.parabolic(1.5, 0.3, (1, 0.2, 0), (0, 0, 0), ORIGIN, DIRECTION, length=LENGTH),
