@@ -124,6 +124,13 @@ CPM_INLINE int cpm_has_kinks(const cpm_medium_data *m, double rtol) {
     return m->interpolation == CPM_FIELD_CUBIC ? m->jump * m->feature > 0.1 * rtol : m->kink > 20.0 * rtol;
 }
 
+/* What n may change by between the place where a step ends before a lens's sphere and the sphere, of n. */
+CPM_INLINE real cpm_kink_noise(const cpm_medium_data *m, double rtol, real3 r) {
+    if (CPM_IS_KIND(m, CPM_MEDIUM_LUNEBURG) || CPM_IS_KIND(m, CPM_MEDIUM_EATON))
+        return R(3.0 * m->jump) * cpm_hair_of_sphere(m, cpm_hair(m, rtol), r);
+    return splat(0.0);
+}
+
 /* Sigma to a hair before the next face; *near: one is within a few hairs already. */
 CPM_INLINE real cpm_next_kink(const cpm_medium_data *m, CPM_GLOBAL const double *table, double rtol, const cpm_point *a,
                               mask *near) {
