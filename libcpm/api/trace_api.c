@@ -139,8 +139,8 @@ static cpm_status choose_method(cpm_context *context, const cpm_medium *medium, 
     if (*method == CPM_METHOD_EXACT && !exact)
         return cpm_fail(
             context, CPM_ERROR_UNSUPPORTED,
-            "method is exact; this medium has no closed form (homogeneous, linear-squared, linear, and layered "
-            "linear-squared and step have)");
+            "method is exact; this medium has no closed form (homogeneous, linear-squared, linear, layered "
+            "linear-squared and step, parabolic, luneburg, fisheye and eaton have)");
     if (*method != CPM_METHOD_EXACT && exact_only)
         return cpm_fail(context, CPM_ERROR_UNSUPPORTED,
                         "discrete layers (step) have no gradient to integrate; only method exact (or auto, exact not "
@@ -191,7 +191,7 @@ static cpm_status run(const trace_work *w, cpm_ray_end *ends, double *positions,
         return cpm_opencl_trace(w->context, w->medium, &w->control, &w->goal, w->request->single_precision, w->starts,
                                 ends, positions, positions ? (int64_t)w->request->path_samples : 0,
                                 (int64_t)w->request->count, from, to);
-    const cpm_lane_code *code = cpm_lane_code_for(w->request->single_precision);
+    const cpm_lane_code *code = cpm_lane_code_for(w->medium->data.kind, w->request->single_precision);
     const int64_t count = (int64_t)w->request->count, threads = w->context->threads;
     int64_t chunk = (count / (8 * threads) + CPM_LANES) / CPM_LANES * CPM_LANES;
     if (chunk > MAX_CHUNK) chunk = MAX_CHUNK;
