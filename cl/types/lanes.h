@@ -13,6 +13,10 @@
 #define CPM_STEP_EULER 2
 #define CPM_STEP_RK4 3
 #define CPM_STEP_DOPRI5 4
+#define CPM_STEP_NYSTROM 5
+#define CPM_STEP_ADAMS 6
+#define CPM_STEP_LEAPFROG 7
+#define CPM_STEP_YOSHIDA6 8
 #define CPM_ENDED_GOING (-1)
 #define CPM_ENDED_ARRIVED 0
 #define CPM_ENDED_LEFT 2
@@ -36,6 +40,7 @@ typedef struct cpm_lane_rays {
     double error_turn[CPM_LANES]; /* radians: embedded errors of direction */
     double previous[CPM_LANES];   /* log2 of the last ratio of error to tolerance: the step controller's memory */
     double refused[CPM_LANES];    /* attempts refused since the last step */
+    double dense[CPM_LANES];      /* f6 h^6/720 of the piece, metres: u^3 of it is the quintic's error (piece.h); 0: not known */
     cpm_i64 status[CPM_LANES];    /* -1 going, else a cpm_ray_status */
     cpm_i64 at_kink[CPM_LANES];   /* grad n jumps here: g is to be taken anew, beyond it */
     cpm_i64 accepted[CPM_LANES];  /* nonzero: the last attempt was accepted, and the piece below is valid */
@@ -46,6 +51,8 @@ typedef struct cpm_lane_rays {
 /* What holds for all rays of a call. */
 typedef struct cpm_step_control {
     cpm_i32 method; /* CPM_STEP_ */
+    cpm_i32 order;  /* of the pair that nystrom takes: 6 or 8; by cpm_step_control_set, as all below from `lenient` */
+    cpm_i32 dense;  /* 1: the curve between the ends of a step must be as good as they are */
     cpm_i32 reserved;
     double rtol, atol; /* position error <= atol + rtol x length, direction error <= rtol */
     double step;       /* metres of arc, fixed; 0: adaptive */
@@ -53,6 +60,9 @@ typedef struct cpm_step_control {
     double max_evaluations;
     double lenient; /* from rtol by cpm_step_control_set (shared/step.h): see there */
     double first;
+    double exponent; /* 1/q where errors to tolerances grow as h^q */
+    double cost;     /* evaluations an attempt */
+    double grow;     /* growth of | |p| - n |/n that a step may have, in rtol cos a */
 } cpm_step_control;
-CPM_STATIC_ASSERT(sizeof(cpm_step_control) == 64, cpm_step_control_size);
+CPM_STATIC_ASSERT(sizeof(cpm_step_control) == 96, cpm_step_control_size);
 #endif

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "backend/native/cross.h"
+#include "medium/method.h"
 
 #define CHUNK 64
 #define MAX_BOUNDARIES 10000
@@ -232,7 +233,7 @@ static cpm_status global_error(cpm_context *context, cpm_scene *scene, cpm_scene
     cpm_rays_result second = {.struct_size = sizeof second, .position = position, .evaluations = evaluations};
     cpm_pass pass;
     q.path_samples = 0;
-    options.rtol = cpm_max(0.1 * (options.rtol > 0.0 ? options.rtol : options.method == CPM_METHOD_EULER ? 1e-2 : 1e-6), 1e-14);
+    options.rtol = cpm_max(0.1 * cpm_method_rtol(options.method, options.rtol), 1e-14);
     options.atol *= 0.1;
     options.step *= 0.5;
     cpm_status status = position && evaluations

@@ -17,7 +17,8 @@ typedef enum cpm_method {
     CPM_METHOD_EXACT = 1,
     CPM_METHOD_EULER = 2, /* Euler with Richardson extrapolation: the paper's */
     CPM_METHOD_RK4 = 3,
-    CPM_METHOD_DOPRI5 = 4
+    CPM_METHOD_DOPRI5 = 4,
+    CPM_METHOD_NYSTROM = 5 /* Runge-Kutta-Nystrom pairs 6(4) and 8(6), by tolerance */
 } cpm_method;
 
 typedef enum cpm_error_mode {
