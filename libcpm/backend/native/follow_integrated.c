@@ -100,7 +100,7 @@ void cpm_follow_integrated(const cpm_pass *pass, const cpm_flight *flights, size
                                    .rtol = o->rtol,
                                    .atol = o->atol,
                                    .step = o->step,
-                                   .max_step = o->max_step,
+                                   .max_step = options && options->max_step > 0.0 ? options->max_step : o->max_step,
                                    .expected_length = pass->reach,
                                    .max_evaluations = options ? options->max_evaluations : 0};
     for (int lane = 0; lane < CPM_LANES; lane++) q.owner[lane] = count, q.rays.status[lane] = CPM_RAY_ARRIVED;
