@@ -18,7 +18,8 @@
  *
  * A ray ends by status: evaluations exhausted, no step small enough (64 refusals running, or a step that moves
  * nothing), cut-off: n below 1e-6 of its start, or a turn back through p = 0 (normal incidence on n = 0), left: 1e100 m
- * gone. */
+ * gone, captured: n above 1e6 of its start near a place where it has no bound (or above twice, where no step is small
+ * enough any more). An adaptive step is never longer than the way to such a place: it cannot leap over one. */
 #ifndef CPM_SHARED_STEP_H
 #define CPM_SHARED_STEP_H
 #include "../types/lanes.h"
@@ -31,6 +32,8 @@
 
 #define CPM_FAR (CPM_SINGLE ? 1e15 : 1e100) /* metres */
 #define CPM_CUTOFF 1e-6                     /* of n at the start */
+#define CPM_CAPTURE 1e6                     /* of n at the start */
+#define CPM_CENTER_N (CPM_SINGLE ? 1e7 : 1e14) /* a ray that starts where n is above that has not far to go */
 #define CPM_MAX_REFUSED 64
 #define CPM_LEAST_RTOL (CPM_SINGLE ? 1e-6 : 1e-15) /* below it rounding alone would refuse steps of any size */
 #define CPM_PARTS (CPM_LANES / CPM_WIDTH)
@@ -111,6 +114,8 @@ CPM_INLINE void cpm_lanes_begin(const cpm_step_control *c, const cpm_medium_data
         if (kinks) (void)cpm_next_kink(m, table, c->rtol, &a, &near);
         store_flags(pick_mask(new_ray, near, load_flags(rays->at_kink, part)), rays->at_kink, part);
         mask status = pick_mask(good, splat_mask(CPM_ENDED_GOING), splat_mask(CPM_ENDED_CUTOFF));
+        if (cpm_is_singular(m))
+            status = pick_mask(good & less(splat(CPM_CENTER_N), a.n), splat_mask(CPM_ENDED_CAPTURED), status);
         store_flags(pick_mask(new_ray, status, load_flags(rays->status, part)), rays->status, part);
         store_flags(load_flags(rays->accepted, part) & ~new_ray, rays->accepted, part);
     }
@@ -160,6 +165,8 @@ CPM_INLINE cpm_attempt cpm_prepare(const cpm_step_control *c, const cpm_medium_d
     const real inverse_n = R(1.0) / a.at.n, length = load_doubles(rays->length, part);
     real bound = cpm_aim(&a.at, inverse_n, load_doubles(rays->target, part) - length);
     bound = smaller(smaller(load_doubles(rays->limit, part), R(c->max_step) * inverse_n), bound);
+    if (cpm_is_singular(m) && !(c->step > 0.0))
+        bound = smaller(cpm_singular_distance(m, table, a.at.r) * inverse_n, bound);
     if (kinks) {
         mask at_kink = load_flags(rays->at_kink, part) & going, near;
         if (any_lane(at_kink)) {
@@ -336,9 +343,16 @@ CPM_INLINE void cpm_lanes_attempt_part(const cpm_step_control *c, const cpm_medi
     mask still = accepted & equal(moved.x, zero) & equal(moved.y, zero) & equal(moved.z, zero);
     mask stuck = (refused & less(splat(CPM_MAX_REFUSED), running)) | still;
     mask why = pick_mask(t.good, splat_mask(CPM_ENDED_UNDERFLOW), splat_mask(CPM_ENDED_CUTOFF));
+    mask caught = splat_mask(0);
+    if (cpm_is_singular(m)) {
+        real n_start = load_doubles(rays->n_start, part);
+        caught = accepted & less(R(CPM_CAPTURE) * n_start, t.end.n);
+        why = pick_mask(t.good & less(R(2.0) * n_start, a.at.n), splat_mask(CPM_ENDED_CAPTURED), why);
+    }
     status = pick_mask(stuck, why, status);
     status = pick_mask(accepted & less(splat(0.1 * CPM_FAR), v.far), splat_mask(CPM_ENDED_LEFT), status);
     status = pick_mask(cut, splat_mask(CPM_ENDED_CUTOFF), status);
+    status = pick_mask(caught, splat_mask(CPM_ENDED_CAPTURED), status);
     store_flags(status, rays->status, part);
 }
 

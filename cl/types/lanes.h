@@ -23,6 +23,7 @@
 #define CPM_ENDED_EXHAUSTED 10
 #define CPM_ENDED_UNDERFLOW 11
 #define CPM_ENDED_CUTOFF 12
+#define CPM_ENDED_CAPTURED 13
 
 typedef struct cpm_lane_rays {
     double r[3][CPM_LANES], p[3][CPM_LANES], g[3][CPM_LANES]; /* current point; g = half grad n^2 there */

@@ -130,8 +130,8 @@ static cpm_status choose_method(cpm_context *context, const cpm_medium *medium, 
     if (*method == CPM_METHOD_EXACT && !exact)
         return cpm_fail(
             context, CPM_ERROR_UNSUPPORTED,
-            "method is exact; this medium has no closed form (homogeneous, linear-squared, linear, and layered "
-            "linear-squared and step have)");
+            "method is exact; this medium has no closed form (homogeneous, linear-squared, linear, layered "
+            "linear-squared and step, parabolic, luneburg, fisheye and eaton have)");
     if (*method != CPM_METHOD_EXACT && exact_only)
         return cpm_fail(context, CPM_ERROR_UNSUPPORTED,
                         "discrete layers (step) have no gradient to integrate; only method exact (or auto, exact not "
