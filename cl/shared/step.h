@@ -25,10 +25,12 @@
 #include "../types/lanes.h"
 #include "../types/ray.h"
 #include "kinks.h"
+#include "step_adams.h"
 #include "step_dopri5.h"
 #include "step_euler.h"
 #include "step_nystrom.h"
 #include "step_rk4.h"
+#include "step_symplectic.h"
 
 #define CPM_FAR (CPM_SINGLE ? 1e15 : 1e100) /* metres */
 #define CPM_CUTOFF 1e-6                     /* of n at the start */
@@ -53,12 +55,16 @@ CPM_INLINE void cpm_step_control_set(cpm_step_control *c) {
     c->cost = 6.0, c->exponent = 0.25, c->lenient = 0.56 / eighth, c->first = 8.0 * quarter; /* dopri5 */
     if (c->method == CPM_STEP_EULER) c->cost = 2.0, c->exponent = 1.0, c->lenient = 1.0, c->first = 3.0 * c->rtol;
     if (c->method == CPM_STEP_RK4) c->cost = 4.0;
+    if (c->method == CPM_STEP_LEAPFROG) c->cost = 1.0;
+    if (c->method == CPM_STEP_YOSHIDA6) c->cost = 7.0;
+    if (c->method == CPM_STEP_ADAMS) c->cost = 2.0, c->first = 3.0 * cpm_sqrt(c->rtol);
     if (c->order == 6) c->cost = 5.0, c->lenient = CPM_RKN6_LENIENT / quarter, c->first = CPM_RKN6_FIRST * eighth;
     if (c->order == 8)
         c->cost = 8.0, c->exponent = 1.0 / 6.0, c->lenient = CPM_RKN8_LENIENT / quarter,
         c->first = CPM_RKN8_FIRST * eighth;
     c->grow = c->method == CPM_STEP_NYSTROM ? CPM_RKN_GROW : 0.5;
     if (c->lenient < 1.0) c->lenient = 1.0;
+    if (c->method == CPM_STEP_ADAMS) c->lenient = 0.3; /* its estimate is the error, and adds up over many steps */
 }
 
 /* Sigma of the first step, from the curvature's radius n^2/|g| and the length over which the field changes. */
@@ -109,6 +115,9 @@ CPM_INLINE void cpm_lanes_begin(const cpm_step_control *c, const cpm_medium_data
         CPM_FRESH(previous, zero);
         CPM_FRESH(refused, zero);
         CPM_FRESH(dense, zero);
+        CPM_FRESH(kept, zero);
+        CPM_FRESH(order, zero);
+        for (int k = 0; k < 6; k++) CPM_FRESH(low[k], zero);
 #undef CPM_FRESH
         mask near = splat_mask(0);
         if (kinks) (void)cpm_next_kink(m, table, c->rtol, &a, &near);
@@ -148,11 +157,11 @@ CPM_INLINE real cpm_step_factor(const cpm_step_control *c, real ratio, real befo
     return exp2_rough(pick(accepted, keep, shrink));
 }
 
-/* What an attempt starts with: the current point, how far it may go, and whether it ends at a kink. */
+/* What an attempt starts with: the current point, how far it may go, and whether it ends or starts at a kink. */
 typedef struct {
     cpm_point at;
     real own, h, evaluations; /* the controller's sigma, the one that is tried; evaluations so far */
-    mask going, to_kink;
+    mask going, to_kink, at_kink;
 } cpm_attempt;
 
 CPM_INLINE cpm_attempt cpm_prepare(const cpm_step_control *c, const cpm_medium_data *m, CPM_GLOBAL const double *table,
@@ -161,7 +170,7 @@ CPM_INLINE cpm_attempt cpm_prepare(const cpm_step_control *c, const cpm_medium_d
     a.at.r = load3_doubles(rays->r, part), a.at.p = load3_doubles(rays->p, part), a.at.g = load3_doubles(rays->g, part);
     a.at.n = load_doubles(rays->n, part), a.at.scale = load_doubles(rays->scale, part);
     a.own = load_doubles(rays->h, part), a.evaluations = evaluations;
-    a.going = going, a.to_kink = splat_mask(0);
+    a.going = going, a.to_kink = a.at_kink = splat_mask(0);
     const real inverse_n = R(1.0) / a.at.n, length = load_doubles(rays->length, part);
     real bound = cpm_aim(&a.at, inverse_n, load_doubles(rays->target, part) - length);
     bound = smaller(smaller(load_doubles(rays->limit, part), R(c->max_step) * inverse_n), bound);
@@ -169,6 +178,7 @@ CPM_INLINE cpm_attempt cpm_prepare(const cpm_step_control *c, const cpm_medium_d
         bound = smaller(cpm_singular_distance(m, table, a.at.r) * inverse_n, bound);
     if (kinks) {
         mask at_kink = load_flags(rays->at_kink, part) & going, near;
+        a.at_kink = at_kink;
         if (any_lane(at_kink)) {
             real ignored;
             real3 beyond = cpm_beyond_kink(m, c->rtol, &a.at);
@@ -241,7 +251,9 @@ CPM_INLINE void cpm_plan(const cpm_step_control *c, cpm_lane_rays *rays, int par
                          const cpm_verdict *v, mask accepted) {
     const real before = load_doubles(rays->previous, part);
     mask again = less(splat(0.0), load_doubles(rays->refused, part));
-    real next = a->h * cpm_step_factor(c, v->ratio, before, accepted, again);
+    real next = a->h * (c->method == CPM_STEP_ADAMS
+                            ? cpm_adams_plan(rays, part, v->ratio, accepted, load_doubles(rays->refused, part))
+                            : cpm_step_factor(c, v->ratio, before, accepted, again));
     next = pick(accepted & less(a->h, a->own), larger(next, a->own), next);
     next = pick(v->usable, next, R(0.25) * a->h);
     if (c->step > 0.0) next = pick(v->usable, R(c->step) / load_doubles(rays->n_start, part), next);
@@ -285,6 +297,9 @@ CPM_INLINE void cpm_keep(cpm_lane_rays *rays, int part, int method, const cpm_at
     CPM_KEEP(error, load_doubles(rays->error, part) + v->off + error_turn * t->way);
     CPM_KEEP(error_turn, error_turn + v->turn);
     if (method >= CPM_STEP_NYSTROM) CPM_KEEP(dense, t->dense);
+    if (method >= CPM_STEP_LEAPFROG)
+        for (int k = 0; k < 6; k++) CPM_KEEP(low[k], load_doubles(rays->low_next[k], part));
+    if (method == CPM_STEP_ADAMS) cpm_adams_keep(rays, part, &a->at, a->h, accepted);
 #undef CPM_KEEP
     store_flags(a->to_kink & accepted, rays->at_kink, part);
     store_flags(accepted, rays->accepted, part);
@@ -292,9 +307,12 @@ CPM_INLINE void cpm_keep(cpm_lane_rays *rays, int part, int method, const cpm_at
 
 /* The methods beside which the others' code is not to grow. */
 CPM_APART cpm_trial cpm_step_apart(const cpm_step_control *c, const cpm_medium_data *m, CPM_GLOBAL const double *table,
-                                   const cpm_point *a, real h) {
-    if (c->order == 6) return cpm_rkn6_step(m, table, a, h);
-    return cpm_rkn8_step(m, table, a, h);
+                                   cpm_lane_rays *rays, int part, const cpm_attempt *a) {
+    if (c->method == CPM_STEP_ADAMS) return cpm_step_adams(m, table, rays, part, &a->at, a->h, a->at_kink);
+    if (c->method == CPM_STEP_LEAPFROG) return cpm_step_symplectic(m, table, rays, part, &a->at, a->h, 0);
+    if (c->method == CPM_STEP_YOSHIDA6) return cpm_step_symplectic(m, table, rays, part, &a->at, a->h, 1);
+    if (c->order == 6) return cpm_rkn6_step(m, table, &a->at, a->h);
+    return cpm_rkn8_step(m, table, &a->at, a->h);
 }
 
 CPM_INLINE void cpm_lanes_attempt_part(const cpm_step_control *c, const cpm_medium_data *m,
@@ -318,7 +336,7 @@ CPM_INLINE void cpm_lanes_attempt_part(const cpm_step_control *c, const cpm_medi
     else if (c->method == CPM_STEP_DOPRI5)
         t = cpm_step_dopri5(m, table, &a.at, a.h);
     else
-        t = cpm_step_apart(c, m, table, &a.at, a.h);
+        t = cpm_step_apart(c, m, table, rays, part, &a);
     cpm_verdict v = cpm_judge(c, rays, part, &a, &t);
     mask accepted = going & v.usable & v.worth, refused = going & ~accepted;
     cpm_plan(c, rays, part, &a, &v, accepted);
@@ -330,7 +348,7 @@ CPM_INLINE void cpm_lanes_attempt_part(const cpm_step_control *c, const cpm_medi
         cpm_end_at_turn(&a, backward, piece_h, v.where, &t);
         v.drift = pick(backward, zero, v.drift);
     }
-    if (c->method == CPM_STEP_RK4) v.turn = magnitude(v.growth); /* no estimate of its own */
+    if (c->method == CPM_STEP_RK4 || c->method >= CPM_STEP_LEAPFROG) v.turn = magnitude(v.growth); /* no estimate of its own */
     cpm_keep(rays, part, c->method, &a, &t, &v, accepted, piece_h);
     real running = pick(accepted, zero, load_doubles(rays->refused, part) + one);
     real rejected = load_doubles(rays->rejected, part);

@@ -70,6 +70,7 @@ CPM_INLINE void cpm_step_back(cpm_lane_rays *rays, int i, double theta) {
     rays->steps[i] -= 1.0, rays->rejected[i] += 1.0;
     rays->limit[i] = theta * rays->piece_h[i];
     rays->accepted[i] = 0;
+    rays->kept[i] = 0.0; /* the past has moved on: begin anew */
 }
 
 /* From the piece's end to the goal, a little before or beyond it, by the fourth-order Nystrom method where the quintic

@@ -7,6 +7,7 @@
 #include "../dialect.h"
 
 #define CPM_LANES 8
+#define CPM_ADAMS_ORDER 12 /* the highest; points of the past, the current one among them */
 
 /* cpm_method and cpm_ray_status of the public headers. */
 #define CPM_STEP_EXACT 1
@@ -47,6 +48,12 @@ typedef struct cpm_lane_rays {
     cpm_i64 accepted[CPM_LANES];  /* nonzero: the last attempt was accepted, and the piece below is valid */
     double r0[3][CPM_LANES], p0[3][CPM_LANES], g0[3][CPM_LANES], n0[CPM_LANES], length0[CPM_LANES];
     double optical_path0[CPM_LANES], piece_h[CPM_LANES]; /* the piece: from r0 to r in piece_h */
+    /* symplectic methods: what the compensated sums of r (0 to 2) and p (3 to 5) have lost, now and after the attempt */
+    double low[6][CPM_LANES], low_next[6][CPM_LANES];
+    /* adams: g and n at the points before the current one, how far behind it in sigma (< 0), and how many there are; the
+     * order to take, and log2 of the errors of one order less and more over its own */
+    double past[CPM_ADAMS_ORDER - 1][4][CPM_LANES], past_sigma[CPM_ADAMS_ORDER - 1][CPM_LANES];
+    double kept[CPM_LANES], order[CPM_LANES], lower[CPM_LANES], higher[CPM_LANES];
 } cpm_lane_rays;
 
 /* What holds for all rays of a call. */

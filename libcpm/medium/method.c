@@ -6,7 +6,8 @@
  * the order of what they cost there. Fixed steps change nothing in that. */
 #include "method.h"
 
-static const int32_t preferred[] = {CPM_METHOD_NYSTROM, CPM_METHOD_DOPRI5, CPM_METHOD_EULER};
+static const int32_t preferred[] = {CPM_METHOD_NYSTROM,  CPM_METHOD_ADAMS,    CPM_METHOD_DOPRI5, CPM_METHOD_EULER,
+                                    CPM_METHOD_YOSHIDA6, CPM_METHOD_RK4, CPM_METHOD_LEAPFROG};
 
 int32_t cpm_method_in(const cpm_medium *medium, int32_t asked, uint32_t exclude, double step) {
     if (cpm_medium_is_uniform(medium)) return CPM_METHOD_EXACT;
@@ -17,10 +18,12 @@ int32_t cpm_method_in(const cpm_medium *medium, int32_t asked, uint32_t exclude,
     return CPM_METHOD_AUTO;
 }
 
-int cpm_method_needs_step(int32_t method) { return method == CPM_METHOD_RK4; }
+int cpm_method_needs_step(int32_t method) {
+    return method == CPM_METHOD_RK4 || method == CPM_METHOD_LEAPFROG || method == CPM_METHOD_YOSHIDA6;
+}
 
 const char *cpm_method_text(int32_t method) {
-    static const char *const text[] = {"auto", "exact", "euler", "rk4", "dopri5", "nystrom"};
+    static const char *const text[] = {"auto", "exact", "euler", "rk4", "dopri5", "nystrom", "adams", "leapfrog", "yoshida6"};
     return method >= 0 && method < (int32_t)(sizeof text / sizeof *text) ? text[method] : "unknown";
 }
 

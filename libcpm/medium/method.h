@@ -4,7 +4,7 @@
 #include "cpm/ray.h"
 #include "medium.h"
 
-#define CPM_METHOD_LAST CPM_METHOD_NYSTROM
+#define CPM_METHOD_LAST CPM_METHOD_YOSHIDA6
 
 /* The cpm_method that runs where `asked` is asked for; CPM_METHOD_AUTO: none is left. `exclude` has a bit 1 << method
  * for each that AUTO may not take. A uniform medium runs none: CPM_METHOD_EXACT. */

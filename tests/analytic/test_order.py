@@ -41,6 +41,8 @@ METHODS = {
     "euler": (2, [0.08, 0.04, 0.02, 0.01]),
     "rk4": (4, [0.5, 0.25, 0.125]),
     "dopri5": (5, [1.0, 0.5, 0.25]),
+    "leapfrog": (2, [0.1, 0.05, 0.025]),
+    "yoshida6": (6, [1.0, 0.5, 0.25]),
     "nystrom6": (6, [1.0, 0.5, 0.25]),
     "nystrom8": (8, [4.0, 2.0, 1.0]),
 }
@@ -74,7 +76,7 @@ def test_order(medium, method):
     assert order - 0.4 < np.mean(slopes) < order + 1.0, f"errors {errors}, slopes {slopes}"
 
 
-@pytest.mark.parametrize("method", ["euler", "dopri5", "nystrom"])
+@pytest.mark.parametrize("method", ["euler", "dopri5", "nystrom", "adams", "leapfrog", "yoshida6"])
 def test_linear_squared_is_exact(method):
     """Order ≥ 2 in σ has no error on n² linear, at any step (a Richardson-extrapolated Euler included)."""
     rays_ = cpm.trace(
@@ -87,7 +89,7 @@ def test_linear_squared_is_exact(method):
     np.testing.assert_allclose(rays_.position[0], expected.position, rtol=0, atol=1e-12)
 
 
-@pytest.mark.parametrize("method", ["euler", "dopri5", "nystrom"])
+@pytest.mark.parametrize("method", ["euler", "dopri5", "nystrom", "adams"])
 def test_adaptive_error_follows_tolerance(method):
     """Over the tolerances the error falls with rtol: as itself, or as its square where Euler's step is ∝ rtol."""
     make, reference = MEDIA["linear"]

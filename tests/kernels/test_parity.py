@@ -90,14 +90,16 @@ MEDIA = {
     "grid-cubic": lambda L: L.grid(samples(), (-1, -1, -1), SPACING, 1),
 }
 METHODS = {"exact": {}, "euler": {"rtol": 1e-2}, "rk4": {"step": 0.1, "rtol": 1e-6}, "dopri5": {"rtol": 1e-7}, "fixed": {"step": 0.2, "rtol": 1e-6},
-           "nystrom6": {"rtol": 1e-3}, "nystrom8": {"rtol": 1e-8}, "nystrom-fixed": {"step": 0.3, "rtol": 1e-6}}
+           "nystrom6": {"rtol": 1e-3}, "nystrom8": {"rtol": 1e-8}, "nystrom-fixed": {"step": 0.3, "rtol": 1e-6},
+           "adams": {"rtol": 1e-6}, "leapfrog": {"step": 0.1}, "yoshida6": {"step": 0.2}}
 NAMES = {"fixed": "dopri5", "nystrom6": "nystrom", "nystrom8": "nystrom", "nystrom-fixed": "nystrom"}  # the method of a variant
 EXACT = {"homogeneous", "linear-squared", "linear", "layered-linear-squared", "layered-step"}
 ONLY_EXACT = {"homogeneous", "layered-step"}
 CASES = [(m, k) for m in MEDIA for k in METHODS if (k == "exact" and m in EXACT) or (k != "exact" and m not in ONLY_EXACT)]
 # Rays that miss the plane run to the bound on evaluations: two integrated media are enough.
 TO_A_PLANE = [(m, "exact") for m in sorted(EXACT)] + [("linear", "dopri5"), ("layered-cubic", "dopri5"),
-                                                           ("linear", "nystrom6"), ("layered-cubic", "nystrom8")]
+                                                           ("linear", "nystrom6"), ("layered-cubic", "nystrom8"),
+                                                           ("linear", "adams"), ("layered-cubic", "adams"), ("linear", "yoshida6")]
 COUNT = 61
 
 
