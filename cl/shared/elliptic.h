@@ -82,15 +82,15 @@ CPM_INLINE double cpm_elliptic_speed(double q2, double k2, double u) { /* sqrt(q
 /* int from u to u + du, du >= 0; q2, k2 >= 0, not both 0. */
 CPM_INLINE double cpm_elliptic_arc(double q2, double k2, double u, double du) {
     if (q2 < CPM_LEAST_RATIO * k2) q2 = CPM_LEAST_RATIO * k2;
-    double half = 0.5 * du, middle = u + half, near = middle;
+    double h = 0.5 * du, middle = u + h, near = middle;
     near -= CPM_PI * ((near * (1.0 / CPM_PI) + 6755399441055744.0) - 6755399441055744.0);
-    if (du > 0.25 || near * near * k2 + q2 < 64.0 * half * half * k2)
+    if (du > 0.25 || near * near * k2 + q2 < 64.0 * h * h * k2)
         return cpm_elliptic_from_zero(q2, k2, u + du) - cpm_elliptic_from_zero(q2, k2, u);
     double sum = 0.0;
     for (int i = 0; i < 4; i++)
-        sum += cpm_gauss8_w[i] * (cpm_elliptic_speed(q2, k2, middle - half * cpm_gauss8_x[i]) +
-                                  cpm_elliptic_speed(q2, k2, middle + half * cpm_gauss8_x[i]));
-    return half * sum;
+        sum += cpm_gauss8_w[i] * (cpm_elliptic_speed(q2, k2, middle - h * cpm_gauss8_x[i]) +
+                                  cpm_elliptic_speed(q2, k2, middle + h * cpm_gauss8_x[i]));
+    return h * sum;
 }
 
 /* The du >= 0 after which the integral from u is `wanted`: whole half turns, then Newton kept in a bracket. */

@@ -26,6 +26,11 @@ typedef struct cpm_segment {
     cpm_ellipse ellipse;
 } cpm_segment;
 
+/* Never, for the compiler too, where no medium with such paths is compiled in. */
+CPM_INLINE int cpm_is_ellipse(const cpm_segment *s) {
+    return (CPM_MEDIA >> CPM_MEDIUM_PARABOLIC & 15) && s->shape == CPM_SEGMENT_ELLIPSE;
+}
+
 /* Fibre, fish-eye, lens. */
 CPM_INLINE void cpm_segment_central(const cpm_medium_data *m, double scale, const double r[3], double p[3],
                                     double sigma_limit, cpm_segment *s) {
@@ -69,7 +74,7 @@ CPM_INLINE int cpm_segment_start(const cpm_medium_data *m, CPM_GLOBAL const doub
 /* Moves the end of a segment onto the face where it ends, to rounding. */
 CPM_INLINE void cpm_segment_snap(const cpm_medium_data *m, const cpm_segment *s, double r[3]) {
     double rounding;
-    if (s->to_sphere) cpm_ball_snap(m, r);
+    if (cpm_is_ball(m) && s->to_sphere) cpm_ball_snap(m, r);
     if (!(s->face < CPM_EXACT_INFINITE)) return;
     double off = s->face - cpm_height_of(m, r, &rounding);
     for (int k = 0; k < 3; k++) r[k] += off * m->axis[k];
@@ -100,7 +105,7 @@ CPM_INLINE int cpm_exact_next(const cpm_medium_data *m, CPM_GLOBAL const double 
         piece->g0[k] = piece->g1[k] = s.g[k];
     }
     piece->h = s.sigma;
-    if (s.shape == CPM_SEGMENT_ELLIPSE)
+    if (cpm_is_ellipse(&s))
         length = cpm_segment_piece(m, &s, sigma_limit, least, piece);
     else if (s.shape == CPM_SEGMENT_CATENARY) {
         piece->h = fmin(s.sigma, CPM_CATENARY_PIECE / s.split.gamma);
@@ -124,7 +129,7 @@ CPM_INLINE int cpm_exact_next(const cpm_medium_data *m, CPM_GLOBAL const double 
 /* The arc length at which |p| falls to 1e-6 of n_start (p turning back through 0), else CPM_EXACT_INFINITE. */
 CPM_INLINE double cpm_segment_cutoff(const cpm_medium_data *m, const cpm_segment *s, double n_start) {
     double least = 1e-6 * n_start;
-    if (s->shape == CPM_SEGMENT_ELLIPSE) {
+    if (cpm_is_ellipse(s)) {
         double x = cpm_central_cutoff(m, &s->ellipse, least);
         return x < CPM_EXACT_INFINITE ? cpm_ellipse_arc(&s->ellipse, x) : CPM_EXACT_INFINITE;
     }
@@ -136,7 +141,7 @@ CPM_INLINE double cpm_segment_cutoff(const cpm_medium_data *m, const cpm_segment
 /* Arc length of the whole segment. */
 CPM_INLINE double cpm_segment_length(const cpm_segment *s) {
     if (s->shape == CPM_SEGMENT_CATENARY) return CPM_EXACT_INFINITE;
-    if (s->shape == CPM_SEGMENT_ELLIPSE)
+    if (cpm_is_ellipse(s))
         return s->ellipse.end < CPM_EXACT_INFINITE ? cpm_ellipse_arc(&s->ellipse, s->ellipse.end) : CPM_EXACT_INFINITE;
     return s->sigma < CPM_EXACT_INFINITE ? cpm_momentum_integral(&s->split, s->sigma) : CPM_EXACT_INFINITE;
 }
@@ -147,7 +152,7 @@ CPM_INLINE double cpm_segment_at(const cpm_medium_data *m, const cpm_segment *s,
         cpm_catenary_at(&s->split, s->r, length, r, p);
         return cpm_momentum_integral(&s->split, length);
     }
-    if (s->shape == CPM_SEGMENT_ELLIPSE) {
+    if (cpm_is_ellipse(s)) {
         double x = whole ? s->ellipse.end : cpm_ellipse_of_arc(&s->ellipse, length);
         for (int k = 0; k < 3; k++) r[k] = s->r[k], p[k] = s->p[k];
         if (!(x > 0.0)) return 0.0;
@@ -164,7 +169,7 @@ CPM_INLINE double cpm_segment_at(const cpm_medium_data *m, const cpm_segment *s,
 CPM_INLINE double cpm_segment_plane(const cpm_segment *s, const double point[3], const double normal[3], double most) {
     if (s->shape == CPM_SEGMENT_CATENARY) return cpm_catenary_plane(&s->split, s->r, s->p, point, normal, most);
     double length;
-    if (s->shape == CPM_SEGMENT_ELLIPSE) {
+    if (cpm_is_ellipse(s)) {
         double x = cpm_ellipse_plane(&s->ellipse, point, normal);
         if (!(x <= s->ellipse.end && x < CPM_EXACT_INFINITE)) return -1.0;
         length = cpm_ellipse_arc(&s->ellipse, x);

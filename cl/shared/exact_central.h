@@ -6,12 +6,12 @@
 #include "exact_oscillator.h"
 
 CPM_INLINE int cpm_is_central(const cpm_medium_data *m) {
-    return m->kind == CPM_MEDIUM_PARABOLIC || m->kind == CPM_MEDIUM_LUNEBURG || m->kind == CPM_MEDIUM_FISHEYE ||
-           m->kind == CPM_MEDIUM_EATON;
+    return CPM_IS_KIND(m, CPM_MEDIUM_PARABOLIC) || CPM_IS_KIND(m, CPM_MEDIUM_LUNEBURG) ||
+           CPM_IS_KIND(m, CPM_MEDIUM_FISHEYE) || CPM_IS_KIND(m, CPM_MEDIUM_EATON);
 }
 /* Lenses that are 1 outside their sphere. */
 CPM_INLINE int cpm_is_ball(const cpm_medium_data *m) {
-    return m->kind == CPM_MEDIUM_LUNEBURG || m->kind == CPM_MEDIUM_EATON;
+    return CPM_IS_KIND(m, CPM_MEDIUM_LUNEBURG) || CPM_IS_KIND(m, CPM_MEDIUM_EATON);
 }
 
 /* n at r of the media above: the same bits as cpm_field. */

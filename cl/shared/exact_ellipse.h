@@ -32,13 +32,13 @@ typedef struct cpm_ellipse {
 
 /* g and c of (1). */
 CPM_INLINE double cpm_half_sine(double rate, double x, double *c) {
-    double half = 0.5 * rate * x, s;
-    if (half < 0.1 && half > -0.1) {
-        double z = half * half;
+    double h = 0.5 * rate * x, s;
+    if (h < 0.1 && h > -0.1) {
+        double z = h * h;
         *c = 1.0 - z * (0.5 - z * (1.0 / 24.0 - z * (1.0 / 720.0 - z * (1.0 / 40320.0 - z / 3628800.0))));
         return 0.5 * x * (1.0 - z * (1.0 / 6.0 - z * (1.0 / 120.0 - z * (1.0 / 5040.0 - z / 362880.0))));
     }
-    cpm_half_turns(half, &s, c); /* an odd number of half turns changes the sign of both: of no product */
+    cpm_half_turns(h, &s, c); /* an odd number of half turns changes the sign of both: of no product */
     return s / rate;
 }
 

@@ -54,11 +54,11 @@ CPM_INLINE void cpm_kepler_start(const double center[3], double radius, double s
 
 /* (1): position from the centre and momentum. */
 CPM_INLINE void cpm_kepler_at(const cpm_ellipse *e, double x, double y[3], double p[3]) {
-    double E = e->phase + x, s, c, half, ignored, radius = cpm_kepler_radius(e, E);
+    double E = e->phase + x, s, c, sine, ignored, radius = cpm_kepler_radius(e, E);
     if (!(radius > 1e-30)) E = 1e-14, radius = fmax(cpm_kepler_radius(e, E), 1e-30); /* the centre itself: p infinite */
     cpm_sine_cosine(E, &s, &c);
-    cpm_half_turns(0.5 * E, &half, &ignored);
-    double near = e->size[1] - 2.0 * half * half; /* cos E - e */
+    cpm_half_turns(0.5 * E, &sine, &ignored);
+    double near = e->size[1] - 2.0 * sine * sine; /* cos E - e */
     double rate = e->size[2] / (e->size[0] * radius);
     for (int k = 0; k < 3; k++) {
         y[k] = e->along[k] * near + e->across[k] * s;

@@ -74,11 +74,12 @@ CPM_INLINE double cpm_oscillator_path(const cpm_ellipse *e, double x) {
     return e->q2 * x + 0.5 * e->k2 * (x - (1.0 - 2.0 * s * s) * 2.0 * g * c);
 }
 
-/* x of a piece: shorter where |p| passes near 0, over q/k radians, so that the arc length is a smooth quintic too. */
+/* x of a piece: shorter where |p| passes near 0, so that the arc length is a quintic too. Its slope, the square root of
+ * q^2 + k^2 sin^2 u, has branch points at the distance d = sqrt(sin^2 u + q^2/k^2): off by (x/d)^6/3000. */
 CPM_INLINE double cpm_oscillator_piece(const cpm_ellipse *e) {
     double s, c, narrow = 1.0;
     cpm_half_turns(e->phase, &s, &c);
-    if (e->k2 > 0.0) narrow = fmin(1.0, cpm_sqrt(fmax(s * s + e->q2 / e->k2, 1e-12)));
+    if (e->k2 > 0.0) narrow = fmin(1.0, 0.45 * cpm_sqrt(fmax(s * s + e->q2 / e->k2, 1e-12)));
     return CPM_OSCILLATOR_PIECE * narrow / e->rate;
 }
 #endif

@@ -94,9 +94,15 @@ CPM_INLINE real3 cpm_lens_radius(const cpm_medium_data *m, real3 r, real *radius
     *radius = root(dot3(y, y));
     return y;
 }
+/* Short: what n changes by over it adds to the drift of |p|, and must stay within rounding (step.h) where g jumps as much
+ * as here. */
+CPM_INLINE real cpm_hair_of_sphere(const cpm_medium_data *m, scalar hair, real3 r) {
+    return hair + R(3.0 * CPM_ROUNDING) * (magnitude(r.x) + magnitude(r.y) + magnitude(r.z) +
+                                           splat(fabs(m->origin[0]) + fabs(m->origin[1]) + fabs(m->origin[2])));
+}
 CPM_INLINE real cpm_kink_of_sphere(const cpm_medium_data *m, scalar thin, const cpm_point *a, mask *near) {
     const real none = splat(CPM_NO_KINK), at = splat(m->high);
-    real radius, hair = cpm_hair_of_layers(m, thin, a->r);
+    real radius, hair = cpm_hair_of_sphere(m, thin, a->r);
     real3 y = cpm_lens_radius(m, a->r, &radius);
     real speed = R(2.0) * dot3(y, a->p), pull = R(2.0) * (dot3(a->p, a->p) + dot3(y, a->g)), forward = cpm_forward(speed);
     real ahead = radius + R(3.0) * hair * forward, behind = radius - R(3.0) * hair * forward;
@@ -104,6 +110,12 @@ CPM_INLINE real cpm_kink_of_sphere(const cpm_medium_data *m, scalar thin, const 
     *near |= less((ahead - at) * (behind - at), splat(0.0));
     return cpm_kink_along(radius * radius, R(2.0 * m->high) * hair, forward, magnitude(speed), pull,
                           pick(inside, -none, at * at), pick(inside, at * at, none));
+}
+
+CPM_INLINE real3 cpm_beyond_sphere(const cpm_medium_data *m, scalar thin, const cpm_point *a) {
+    real radius;
+    real3 y = cpm_lens_radius(m, a->r, &radius);
+    return add3(a->r, R(4.0) * cpm_forward(dot3(y, a->p)) * cpm_hair_of_sphere(m, thin, a->r) / radius, y);
 }
 
 /* Kinks that matter at this tolerance: in every cell a step over one of relative size k has an error of about k/20;
@@ -132,11 +144,7 @@ CPM_INLINE real3 cpm_beyond_kink(const cpm_medium_data *m, double rtol, const cp
         real3 up = cpm_times_axis(m, splat(1.0));
         return add3(a->r, few * cpm_forward(dot3(a->p, up)) * cpm_hair_of_layers(m, thin, a->r), up);
     }
-    if (CPM_IS_KIND(m, CPM_MEDIUM_LUNEBURG) || CPM_IS_KIND(m, CPM_MEDIUM_EATON)) {
-        real radius;
-        real3 y = cpm_lens_radius(m, a->r, &radius);
-        return add3(a->r, few * cpm_forward(dot3(y, a->p)) * cpm_hair_of_layers(m, thin, a->r) / radius, y);
-    }
+    if (CPM_IS_KIND(m, CPM_MEDIUM_LUNEBURG) || CPM_IS_KIND(m, CPM_MEDIUM_EATON)) return cpm_beyond_sphere(m, thin, a);
     real3 r = a->r;
     r.x += few * cpm_forward(a->p.x) * cpm_hair_of_axis(m, thin, 0, r.x);
     r.y += few * cpm_forward(a->p.y) * cpm_hair_of_axis(m, thin, 1, r.y);

@@ -1,6 +1,5 @@
 /* shared/medium.h: n and g = (1/2) grad n^2 of any medium. n is not above 0 (or NaN) where n^2 <= 0: check less(0, n).
- *
- * CPM_MEDIA says which kinds are compiled in: bit 1 << CPM_MEDIUM_... (all by default). */
+ */
 #ifndef CPM_SHARED_MEDIUM_H
 #define CPM_SHARED_MEDIUM_H
 #include "medium_central.h"
@@ -8,11 +7,6 @@
 #include "medium_layered.h"
 #include "medium_linear.h"
 #include "medium_sources.h"
-
-#ifndef CPM_MEDIA
-#define CPM_MEDIA 0x3ff
-#endif
-#define CPM_IS_KIND(m, k) (((CPM_MEDIA >> (k)) & 1) && (m)->kind == (k))
 
 CPM_INLINE real3 cpm_field(const cpm_medium_data *m, CPM_GLOBAL const double *table, real3 r, real scale, real *n) {
     if (CPM_IS_KIND(m, CPM_MEDIUM_LINEAR_SQUARED)) return cpm_field_linear_squared(m, r, scale, n);

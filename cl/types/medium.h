@@ -28,6 +28,12 @@
 #define CPM_MEDIUM_EATON 8
 #define CPM_MEDIUM_SOURCES 9
 
+/* CPM_MEDIA says which kinds are compiled in: bit 1 << CPM_MEDIUM_... (all by default). */
+#ifndef CPM_MEDIA
+#define CPM_MEDIA 0x3ff
+#endif
+#define CPM_IS_KIND(m, k) (((CPM_MEDIA >> (k)) & 1) && (m)->kind == (k))
+
 #define CPM_RECORD 8 /* doubles a layer: a cache line */
 
 /* As in cpm/medium.h. */

@@ -178,7 +178,7 @@ static cpm_status fill_starts(trace_work *w) {
 
 /* All rays, in chunks; with `positions` the second time, for the samples of the paths. */
 static cpm_status run(const trace_work *w, cpm_ray_end *ends, double *positions, double from, double to) {
-    const cpm_lane_code *code = cpm_lane_code_for(w->request->single_precision);
+    const cpm_lane_code *code = cpm_lane_code_for(w->medium->data.kind, w->request->single_precision);
     const int64_t count = (int64_t)w->request->count, threads = w->context->threads;
     int64_t chunk = (count / (8 * threads) + CPM_LANES) / CPM_LANES * CPM_LANES;
     if (chunk > MAX_CHUNK) chunk = MAX_CHUNK;

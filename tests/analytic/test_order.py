@@ -7,7 +7,7 @@ over log(step) between steps where the error is far above rounding.
 
 import numpy as np
 import pytest
-from oracles import closed_forms, rays
+from oracles import central, closed_forms, rays
 
 import cpm
 
@@ -34,6 +34,15 @@ _HEIGHTS = np.linspace(-14, 14, 5601)
 MEDIA["layered-cubic"] = (
     lambda: cpm.media.Layered(_HEIGHTS, _tanh(_HEIGHTS), up=(0, 1, 0), interpolation="cubic"),
     _smooth_reference,
+)
+_LENS = (2.0, 6.0, (0.1, -0.2, 0.3))
+MEDIA["parabolic"] = (
+    lambda: cpm.media.Parabolic(1.5, 0.3, axis=(1, 0.2, 0)),
+    lambda: central.parabolic(1.5, 0.3, (1, 0.2, 0), (0, 0, 0), ORIGIN, DIRECTION, length=LENGTH),
+)
+MEDIA["fisheye"] = (
+    lambda: cpm.media.Fisheye(*_LENS),
+    lambda: central.fisheye(*_LENS, ORIGIN, DIRECTION, length=LENGTH),
 )
 
 #: method → (order, steps in metres).

@@ -60,7 +60,7 @@ def test_header_compiles_alone(context, name, width, single):
 
 @pytest.mark.parametrize("name", KERNELS)
 @pytest.mark.parametrize("values", [{}, {"CPM_WIDTH": 4}, {"CPM_WIDTH": 8, "CPM_SINGLE": 1}] +
-                         [{"CPM_WIDTH": 8, "CPM_MEDIA": 1 << kind} for kind in range(5)], ids=str)
+                         [{"CPM_WIDTH": 8, "CPM_MEDIA": 1 << kind} for kind in range(10)], ids=str)
 def test_kernel_compiles(context, name, values):
     """Each kernel file, for every medium compiled in alone and for all together."""
     build(context, (ROOT / "cl" / name).read_text(), **values)
@@ -88,12 +88,18 @@ MEDIA = {
     "layered-step": lambda L: L.layered(*heights_and_n(), 3, up=(0.1, 1, 0.2)),
     "grid-linear": lambda L: L.grid(samples(), (-1, -1, -1), SPACING, 0),
     "grid-cubic": lambda L: L.grid(samples(), (-1, -1, -1), SPACING, 1),
+    "parabolic": lambda L: L.parabolic(1.5, 0.15, (0.2, 1, 0.3), (0.1, 0.2, -0.3)),
+    "luneburg": lambda L: L.luneburg(0.9, (0.1, 0.2, -0.3)),
+    "fisheye": lambda L: L.fisheye(1.8, 1.2, (0.1, 0.2, -0.3)),
+    "eaton": lambda L: L.eaton(0.9, (0.1, 0.2, -0.3)),
+    "sources": lambda L: L.sources([(2, 2, 2), (-2, 2.5, 1), (0, -3, 0)], (0.3, 0.2, -0.1), (2, 1.7, 1),
+                                   [(0, 0, 0), (0.6, 0, 0.8), (0, 0, 0)]),
 }
 METHODS = {"exact": {}, "euler": {"rtol": 1e-2}, "rk4": {"step": 0.1, "rtol": 1e-6}, "dopri5": {"rtol": 1e-7}, "fixed": {"step": 0.2, "rtol": 1e-6},
            "nystrom6": {"rtol": 1e-3}, "nystrom8": {"rtol": 1e-8}, "nystrom-fixed": {"step": 0.3, "rtol": 1e-6},
            "adams": {"rtol": 1e-6}, "leapfrog": {"step": 0.1}, "yoshida6": {"step": 0.2}}
 NAMES = {"fixed": "dopri5", "nystrom6": "nystrom", "nystrom8": "nystrom", "nystrom-fixed": "nystrom"}  # the method of a variant
-EXACT = {"homogeneous", "linear-squared", "linear", "layered-linear-squared", "layered-step"}
+EXACT = {"homogeneous", "linear-squared", "linear", "layered-linear-squared", "layered-step", "parabolic", "luneburg", "fisheye", "eaton"}
 ONLY_EXACT = {"homogeneous", "layered-step"}
 CASES = [(m, k) for m in MEDIA for k in METHODS if (k == "exact" and m in EXACT) or (k != "exact" and m not in ONLY_EXACT)]
 # Rays that miss the plane run to the bound on evaluations: two integrated media are enough.
@@ -183,7 +189,7 @@ def test_same_bits_to_a_plane(context, programs, library, medium, method):
 
 
 @pytest.mark.parametrize("isa", ["baseline", "v3", "v4"])
-@pytest.mark.parametrize("medium", ["linear", "layered-cubic", "grid-linear", "grid-cubic"])
+@pytest.mark.parametrize("medium", ["linear", "layered-cubic", "grid-linear", "grid-cubic", "parabolic", "luneburg", "eaton", "sources"])
 def test_instruction_sets_agree(library, medium, isa, tmp_path):
     """CPM_ISA=... in a process of its own, one thread: the bits of this process."""
     import subprocess
