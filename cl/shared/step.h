@@ -38,6 +38,11 @@
 #define CPM_CENTER_N (CPM_SINGLE ? 1e7 : 1e14) /* a ray that starts where n is above that has not far to go */
 #define CPM_MAX_REFUSED 64
 #define CPM_LEAST_RTOL (CPM_SINGLE ? 1e-6 : 1e-15) /* below it rounding alone would refuse steps of any size */
+/* Which methods are compiled in: bit 1 << CPM_STEP_... (all by default). */
+#ifndef CPM_METHODS
+#define CPM_METHODS 511
+#endif
+#define CPM_IS_METHOD(c, k) (((CPM_METHODS >> (k)) & 1) && (CPM_METHODS == 1 << (k) || (c)->method == (k)))
 #define CPM_PARTS (CPM_LANES / CPM_WIDTH)
 /* nystrom: measured on smooth fields (fibre, fish-eye, Luneburg, linear n, atmosphere), rtol 1e-2 to 1e-12. */
 #define CPM_RKN8_FROM 3e-4   /* rtol from which 8(6) is the cheaper */
@@ -251,7 +256,7 @@ CPM_INLINE void cpm_plan(const cpm_step_control *c, cpm_lane_rays *rays, int par
                          const cpm_verdict *v, mask accepted) {
     const real before = load_doubles(rays->previous, part);
     mask again = less(splat(0.0), load_doubles(rays->refused, part));
-    real next = a->h * (c->method == CPM_STEP_ADAMS
+    real next = a->h * (CPM_IS_METHOD(c, CPM_STEP_ADAMS)
                             ? cpm_adams_plan(rays, part, v->ratio, accepted, load_doubles(rays->refused, part))
                             : cpm_step_factor(c, v->ratio, before, accepted, again));
     next = pick(accepted & less(a->h, a->own), larger(next, a->own), next);
@@ -299,7 +304,7 @@ CPM_INLINE void cpm_keep(cpm_lane_rays *rays, int part, int method, const cpm_at
     if (method >= CPM_STEP_NYSTROM) CPM_KEEP(dense, t->dense);
     if (method >= CPM_STEP_LEAPFROG)
         for (int k = 0; k < 6; k++) CPM_KEEP(low[k], load_doubles(rays->low_next[k], part));
-    if (method == CPM_STEP_ADAMS) cpm_adams_keep(rays, part, &a->at, a->h, accepted);
+    if (((CPM_METHODS >> CPM_STEP_ADAMS) & 1) && method == CPM_STEP_ADAMS) cpm_adams_keep(rays, part, &a->at, a->h, accepted);
 #undef CPM_KEEP
     store_flags(a->to_kink & accepted, rays->at_kink, part);
     store_flags(accepted, rays->accepted, part);
@@ -308,11 +313,15 @@ CPM_INLINE void cpm_keep(cpm_lane_rays *rays, int part, int method, const cpm_at
 /* The methods beside which the others' code is not to grow. */
 CPM_APART cpm_trial cpm_step_apart(const cpm_step_control *c, const cpm_medium_data *m, CPM_GLOBAL const double *table,
                                    cpm_lane_rays *rays, int part, const cpm_attempt *a) {
-    if (c->method == CPM_STEP_ADAMS) return cpm_step_adams(m, table, rays, part, &a->at, a->h, a->at_kink);
-    if (c->method == CPM_STEP_LEAPFROG) return cpm_step_symplectic(m, table, rays, part, &a->at, a->h, 0);
-    if (c->method == CPM_STEP_YOSHIDA6) return cpm_step_symplectic(m, table, rays, part, &a->at, a->h, 1);
+    if (CPM_IS_METHOD(c, CPM_STEP_ADAMS)) return cpm_step_adams(m, table, rays, part, &a->at, a->h, a->at_kink);
+    if (CPM_IS_METHOD(c, CPM_STEP_LEAPFROG)) return cpm_step_symplectic(m, table, rays, part, &a->at, a->h, 0);
+    if (CPM_IS_METHOD(c, CPM_STEP_YOSHIDA6)) return cpm_step_symplectic(m, table, rays, part, &a->at, a->h, 1);
+#if (CPM_METHODS >> CPM_STEP_NYSTROM) & 1
     if (c->order == 6) return cpm_rkn6_step(m, table, &a->at, a->h);
     return cpm_rkn8_step(m, table, &a->at, a->h);
+#else
+    return cpm_step_symplectic(m, table, rays, part, &a->at, a->h, 0); /* not reached */
+#endif
 }
 
 CPM_INLINE void cpm_lanes_attempt_part(const cpm_step_control *c, const cpm_medium_data *m,
@@ -329,11 +338,11 @@ CPM_INLINE void cpm_lanes_attempt_part(const cpm_step_control *c, const cpm_medi
 
     const cpm_attempt a = cpm_prepare(c, m, table, rays, part, going, evaluations, kinks);
     cpm_trial t;
-    if (c->method == CPM_STEP_EULER)
+    if (CPM_IS_METHOD(c, CPM_STEP_EULER))
         t = cpm_step_euler(m, table, &a.at, a.h);
-    else if (c->method == CPM_STEP_RK4)
+    else if (CPM_IS_METHOD(c, CPM_STEP_RK4))
         t = cpm_step_rk4(m, table, &a.at, a.h);
-    else if (c->method == CPM_STEP_DOPRI5)
+    else if (CPM_IS_METHOD(c, CPM_STEP_DOPRI5))
         t = cpm_step_dopri5(m, table, &a.at, a.h);
     else
         t = cpm_step_apart(c, m, table, rays, part, &a);

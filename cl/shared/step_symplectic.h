@@ -30,7 +30,7 @@ CPM_INLINE real3 cpm_compensated3(real3 sum, real s, real3 more, real3 *low) {
 CPM_INLINE cpm_trial cpm_step_symplectic(const cpm_medium_data *m, CPM_GLOBAL const double *table, cpm_lane_rays *rays,
                                          int part, const cpm_point *a, real h, int yoshida) {
     real3 r_low = load3_doubles(rays->low, part), p_low = load3_doubles(rays->low + 3, part);
-    const real half = R(0.5) * h;
+    const real h2 = R(0.5) * h;
     cpm_trial t;
     t.end = *a;
     t.good = at_most(splat(0.0), h);
@@ -38,13 +38,13 @@ CPM_INLINE cpm_trial cpm_step_symplectic(const cpm_medium_data *m, CPM_GLOBAL co
     for (int i = 0; i < (yoshida ? 7 : 1); i++) {
         const scalar w = yoshida ? R(cpm_yoshida6_w[i]) : R(1.0);
         const real n = t.end.n;
-        t.end.p = cpm_compensated3(t.end.p, w * half, t.end.g, &p_low);
+        t.end.p = cpm_compensated3(t.end.p, w * h2, t.end.g, &p_low);
         t.end.r = cpm_compensated3(t.end.r, w * h, t.end.p, &r_low);
         t.end.g = cpm_field(m, table, t.end.r, a->scale, &t.end.n);
-        t.end.p = cpm_compensated3(t.end.p, w * half, t.end.g, &p_low);
+        t.end.p = cpm_compensated3(t.end.p, w * h2, t.end.g, &p_low);
         t.good &= less(splat(0.0), t.end.n);
-        t.way += w * half * (n + t.end.n);
-        t.path += w * half * (n * n + t.end.n * t.end.n);
+        t.way += w * h2 * (n + t.end.n);
+        t.path += w * h2 * (n * n + t.end.n * t.end.n);
     }
     t.error_position2 = t.error_way = t.error_momentum2 = t.dense = splat(0.0);
     store3_doubles(r_low, rays->low_next, part);

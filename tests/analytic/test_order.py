@@ -82,7 +82,8 @@ def test_order(medium, method):
     make, reference = MEDIA[medium]
     errors, slopes = observed(make, reference(), method, steps)
     assert errors[-1] > 1e-12, f"at rounding: {errors}"
-    assert order - 0.4 < np.mean(slopes) < order + 1.0, f"errors {errors}, slopes {slopes}"
+    more = 2.0 if (medium, method) == ("parabolic", "nystrom8") else 1.0  # a linear system: few conditions of order 9
+    assert order - 0.4 < np.mean(slopes) < order + more, f"errors {errors}, slopes {slopes}"
 
 
 @pytest.mark.parametrize("method", ["euler", "dopri5", "nystrom", "adams", "leapfrog", "yoshida6"])
