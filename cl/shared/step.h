@@ -6,10 +6,12 @@
  * factor that grows as rtol^(-1/8) (measured on smooth fields, 1e-3 to 1e-12); L = 0.56 rtol^(-1/8) takes that back.
  * euler: 1.
  *
- * Where the field has kinks or thin layers both estimates are blind, but | |p| - n |/n, whose growth in a step is a
- * true error of momentum along p, is not. An error in the direction of the force, at an angle a to p, shows in it times
- * cos a: a step is refused when it grows by more than 0.5 rtol cos a (cos a >= 0.03), far below the 10 rtol that would
- * only tell that a layer was stepped over. And when n^2 <= 0 was met at any stage the step is cut to a quarter.
+ * Where the field has kinks or thin layers both estimates are blind, but (|p|^2 - n^2)/(2 n^2), whose change in a step
+ * is a true error of momentum along p, is not. (Not the growth of | |p| - n |/n: where n falls, that grows by itself.)
+ * An error in the direction of the force, at an angle a to p, shows in it times cos a: a step is refused when it
+ * changes by more than 0.5 rtol cos a (cos a >= 0.03), far below the 10 rtol that would only tell that a layer was
+ * stepped over. Near a place where n has no bound |p|^2 - n^2 itself is held to that: it outlasts the way out to n = 1,
+ * where it weighs n^2 times as much. And when n^2 <= 0 was met at any stage the step is cut to a quarter.
  *
  * The next step follows the worst of the three ratios E by a PI controller (Gustafsson 1991); E grows as h^4 (dopri5):
  * h E^(-3/16) E_before^(1/16); as h (euler): h E^(-3/4) E_before^(1/4). Rough logarithms serve.
@@ -19,7 +21,7 @@
  * A ray ends by status: evaluations exhausted, no step small enough (64 refusals running, or a step that moves
  * nothing), cut-off: n below 1e-6 of its start, or a turn back through p = 0 (normal incidence on n = 0), left: 1e100 m
  * gone, captured: n above 1e6 of its start near a place where it has no bound (or above twice, where no step is small
- * enough any more). An adaptive step is never longer than the way to such a place: it cannot leap over one. */
+ * enough any more, or coordinates are too coarse). An adaptive step is never longer than the way to such a place: it cannot leap over one. */
 #ifndef CPM_SHARED_STEP_H
 #define CPM_SHARED_STEP_H
 #include "../types/lanes.h"
@@ -35,6 +37,7 @@
 #define CPM_FAR (CPM_SINGLE ? 1e15 : 1e100) /* metres */
 #define CPM_CUTOFF 1e-6                     /* of n at the start */
 #define CPM_CAPTURE 1e6                     /* of n at the start */
+#define CPM_NOISE 1e-3      /* of |p|^2 - n^2 beside 1, by rounding of coordinates: beyond it nothing is left of a ray */
 #define CPM_CENTER_N (CPM_SINGLE ? 1e7 : 1e14) /* a ray that starts where n is above that has not far to go */
 #define CPM_MAX_REFUSED 64
 #define CPM_LEAST_RTOL (CPM_SINGLE ? 1e-6 : 1e-15) /* below it rounding alone would refuse steps of any size */
@@ -206,11 +209,12 @@ typedef struct {
     real far;           /* |x| + |y| + |z|, metres */
     real where;         /* of the turn, 0..1 of the step */
     mask turned;        /* p goes through 0 */
+    mask blurred;       /* rounding of coordinates makes |p|^2 - n^2 worth little */
     mask usable, worth; /* finite, n > 0; within the tolerance */
 } cpm_verdict;
 
-CPM_INLINE cpm_verdict cpm_judge(const cpm_step_control *c, const cpm_lane_rays *rays, int part, const cpm_attempt *a,
-                                 const cpm_trial *t) {
+CPM_INLINE cpm_verdict cpm_judge(const cpm_step_control *c, const cpm_medium_data *m, const cpm_lane_rays *rays,
+                                 int part, const cpm_attempt *a, const cpm_trial *t) {
     const real zero = splat(0.0), one = splat(1.0), n_start = load_doubles(rays->n_start, part);
     const real3 p = t->end.p, push = sub3(p, a->at.p);
     const real per_square = one / (t->end.n * t->end.n), size = dot3(p, p);
@@ -226,12 +230,15 @@ CPM_INLINE cpm_verdict cpm_judge(const cpm_step_control *c, const cpm_lane_rays 
     v.turn = root(t->error_momentum2) * (t->end.n * per_square);
     real excess = (size - t->end.n * t->end.n) * per_square;                /* |p|^2/n^2 - 1 */
     v.drift = magnitude(excess) / (R(2.0) + R(0.5) * larger(excess, -one)); /* sqrt(1 + x) - 1 to x^3/32 */
-    v.growth = pick(v.turned, zero, v.drift - load_doubles(rays->drift_now, part));
+    const real weight = cpm_is_singular(m) ? larger(per_square, one) : per_square;
+    const real carried = dot3(a->at.p, a->at.p) - a->at.n * a->at.n; /* was there before: no new error */
+    v.growth = pick(v.turned, zero, R(0.5) * magnitude((size - t->end.n * t->end.n) - carried) * weight);
     v.far = magnitude(t->end.r.x) + magnitude(t->end.r.y) + magnitude(t->end.r.z);
 
     /* What the tolerance and rounding allow. */
     real steep = magnitude(t->end.g.x) + magnitude(t->end.g.y) + magnitude(t->end.g.z);
-    real noise = R(10.0 * CPM_ROUNDING) * (one + (larger(n_start * n_start, one) + v.far * steep) * per_square);
+    real noise = R(10.0 * CPM_ROUNDING) * (one + (larger(n_start * n_start, one) + v.far * steep) * weight);
+    v.blurred = less(splat(CPM_NOISE), noise);
     real along = dot3(push, p); /* no push at all: a = 90 degrees, the strictest */
     real slant = log2_rough(along * along) - log2_rough(dot3(push, push) * size + R(1e-30));
     slant = exp2_rough(smaller(larger(R(0.5) * slant, splat(-5.0)), zero)); /* cos a, 0.03 to 1 */
@@ -346,7 +353,7 @@ CPM_INLINE void cpm_lanes_attempt_part(const cpm_step_control *c, const cpm_medi
         t = cpm_step_dopri5(m, table, &a.at, a.h);
     else
         t = cpm_step_apart(c, m, table, rays, part, &a);
-    cpm_verdict v = cpm_judge(c, rays, part, &a, &t);
+    cpm_verdict v = cpm_judge(c, m, rays, part, &a, &t);
     mask accepted = going & v.usable & v.worth, refused = going & ~accepted;
     cpm_plan(c, rays, part, &a, &v, accepted);
 
@@ -373,7 +380,7 @@ CPM_INLINE void cpm_lanes_attempt_part(const cpm_step_control *c, const cpm_medi
     mask caught = splat_mask(0);
     if (cpm_is_singular(m)) {
         real n_start = load_doubles(rays->n_start, part);
-        caught = accepted & less(R(CPM_CAPTURE) * n_start, t.end.n);
+        caught = accepted & (less(R(CPM_CAPTURE) * n_start, t.end.n) | (v.blurred & less(n_start, t.end.n)));
         why = pick_mask(t.good & less(R(2.0) * n_start, a.at.n), splat_mask(CPM_ENDED_CAPTURED), why);
     }
     status = pick_mask(stuck, why, status);

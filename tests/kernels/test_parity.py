@@ -170,7 +170,10 @@ def test_same_bits_by_length(context, programs, library, medium, method, width, 
     device, _ = on_device(context, programs(width, single), m, library, method, (o, d, lengths), single=single, **options)
     host = library.trace(m, o, d, length=lengths, method=NAMES.get(method, method), single=single, **options)
     same(device, host, method == "exact")
-    assert np.all(host.status == 0)
+    captured = host.status == 13
+    assert np.all((host.status == 0) | captured)
+    # some rays fall into sources; in lanes of float a few come too near Eaton's centre for their coordinates
+    assert not captured.any() or medium == "sources" or (medium == "eaton" and method != "exact" and np.mean(captured) < 0.1)
 
 
 @pytest.mark.parametrize(("medium", "method"), TO_A_PLANE)

@@ -57,7 +57,9 @@ class Eaton(_Lens):
 
     Paths are Kepler's ellipses with the centre as focus, straight outside. n has no bound at the centre. By ``exact``
     a ray straight at it turns back there, as all its neighbours do. Integrated rays end with ``CAPTURED`` where n is
-    above 1e6 of their start (within 2e-12 R for a ray from outside, whose impact parameter is then below 2e-6 R).
+    above 1e6 of their start (within 2e-12 R for a ray from outside, whose impact parameter is then below 2e-6 R), or
+    where the rounding of coordinates leaves |p|² − n² worth less than 1e-3 (with a centre a radius from the origin,
+    impact parameters below 1e-3 R).
 
     Parameters
     ----------
