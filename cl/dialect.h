@@ -89,6 +89,12 @@ static inline double cpm_double_of(cpm_u64 bits) {
         */
 
 #define CPM_INLINE static inline
+/* A function that is not worth room in its caller's registers and code. */
+#if defined(__GNUC__) || defined(__clang__)
+#define CPM_APART static __attribute__((noinline, unused))
+#else
+#define CPM_APART static
+#endif
 typedef CPM_SCALAR scalar;
 typedef CPM_INTEGER integer;
 #define R(x) ((scalar)(x)) /* every literal of lane arithmetic: no silent double */

@@ -43,11 +43,12 @@ static int64_t slice_of(const cpm_opencl *o, int64_t samples, int64_t count) {
 }
 
 /* One packet a ray on a processor, as wide as its registers may be; single rays elsewhere: there lanes are threads. */
-static void options_of(const cpm_opencl *o, const cpm_medium *medium, int single, char *options, size_t size) {
+static void options_of(const cpm_opencl *o, const cpm_medium *medium, int32_t method, int single, char *options,
+                       size_t size) {
     snprintf(options, size,
              "-cl-std=CL1.2 -cl-fp32-correctly-rounded-divide-sqrt -DCPM_WIDTH=%d -DCPM_SINGLE=%d "
-             "-DCPM_MEDIA=%u",
-             o->is_cpu ? 8 : 1, single != 0, 1u << medium->data.kind);
+             "-DCPM_MEDIA=%u -DCPM_METHODS=%u",
+             o->is_cpu ? 8 : 1, single != 0, 1u << medium->data.kind, 1u << method);
 }
 
 static cl_int set_arguments(const cpm_opencl *o, cl_kernel kernel, const slice_buffers *b, int64_t samples,
@@ -103,7 +104,7 @@ cpm_status cpm_opencl_trace(cpm_context *context, const cpm_medium *medium, cons
     cl_kernel kernel = NULL;
     slice_buffers b = {{0}};
     const int64_t slice = slice_of(o, samples, count);
-    options_of(o, medium, single_precision, options, sizeof options);
+    options_of(o, medium, control->method, single_precision, options, sizeof options);
     cpm_opencl_lock(o);
     cpm_status status = cpm_program_kernel(context, "trace", "cpm_trace", options, &kernel);
     if (status == CPM_OK) {
