@@ -89,6 +89,12 @@ static inline double cpm_double_of(cpm_u64 bits) {
         */
 
 #define CPM_INLINE static inline
+/* A function that is not worth room in its caller's registers and code. */
+#if defined(__GNUC__) || defined(__clang__)
+#define CPM_APART static __attribute__((noinline, unused))
+#else
+#define CPM_APART static
+#endif
 typedef CPM_SCALAR scalar;
 typedef CPM_INTEGER integer;
 #define R(x) ((scalar)(x)) /* every literal of lane arithmetic: no silent double */
@@ -425,4 +431,76 @@ CPM_INLINE void store3_doubles(real3 v, double (*p)[8], int part) {
     store_doubles(v.y, p[1], part);
     store_doubles(v.z, p[2], part);
 }
+
+/* Eight floats at once, for the children of a tree's node: bounds with room for rounding, never results. wide_min and
+ * wide_max give b where either is NaN. */
+#ifdef __OPENCL_VERSION__
+typedef float8 wide;
+typedef int8 wide_mask;
+#define wide_load(from) vload8(0, from)
+#define wide_store(v, to) vstore8(v, 0, to)
+#define wide_all(x) ((float8)(x))
+#define wide_min(a, b) select(b, a, (a) < (b))
+#define wide_max(a, b) select(b, a, (a) > (b))
+#define wide_abs(a) fabs(a)
+#define wide_along(a, b, c) ((a) * (b) + (c))
+CPM_INLINE cpm_u32 wide_bits(wide_mask mask) {
+    int8 bits = mask & (int8)(1, 2, 4, 8, 16, 32, 64, 128);
+    int4 four = bits.lo | bits.hi;
+    int2 two = four.lo | four.hi;
+    return (cpm_u32)(two.x | two.y);
+}
+#define cpm_lowest_bit(bits) (31 - (int)clz((bits) & -(bits)))
+#else
+#if defined(__AVX2__)
+#include <immintrin.h>
+#endif
+typedef float wide __attribute__((vector_size(32)));
+typedef cpm_i32 wide_mask __attribute__((vector_size(32)));
+static inline wide wide_load(const float *from) { /* 32-byte aligned */
+    wide v;
+    memcpy(&v, __builtin_assume_aligned(from, 32), sizeof v);
+    return v;
+}
+static inline void wide_store(wide v, float *to) { memcpy(to, &v, sizeof v); }
+static inline wide wide_all(float x) { return (wide){x, x, x, x, x, x, x, x}; }
+static inline wide wide_min(wide a, wide b) {
+#if defined(__AVX2__)
+    return (wide)_mm256_min_ps((__m256)a, (__m256)b);
+#else
+    const wide_mask less_than = a < b;
+    return (wide)((less_than & (wide_mask)a) | (~less_than & (wide_mask)b));
+#endif
+}
+static inline wide wide_max(wide a, wide b) {
+#if defined(__AVX2__)
+    return (wide)_mm256_max_ps((__m256)a, (__m256)b);
+#else
+    const wide_mask more_than = a > b;
+    return (wide)((more_than & (wide_mask)a) | (~more_than & (wide_mask)b));
+#endif
+}
+static inline wide wide_abs(wide a) {
+    const wide_mask sign = {INT32_MIN, INT32_MIN, INT32_MIN, INT32_MIN, INT32_MIN, INT32_MIN, INT32_MIN, INT32_MIN};
+    return (wide)((wide_mask)a & ~sign);
+}
+/* a b + c, fused where the machine can. */
+static inline wide wide_along(wide a, wide b, wide c) {
+#if defined(__FMA__)
+    return (wide)_mm256_fmadd_ps((__m256)a, (__m256)b, (__m256)c);
+#else
+    return a * b + c;
+#endif
+}
+static inline cpm_u32 wide_bits(wide_mask mask) {
+#if defined(__AVX2__)
+    return (cpm_u32)_mm256_movemask_ps((__m256)mask);
+#else
+    cpm_u32 bits = 0;
+    for (int i = 0; i < 8; i++) bits |= (cpm_u32)(mask[i] & 1) << i;
+    return bits;
+#endif
+}
+#define cpm_lowest_bit(bits) __builtin_ctz(bits)
+#endif
 #endif

@@ -8,6 +8,7 @@ __kernel void cpm_trace(__global const cpm_medium_data *medium, __global const d
     long first = (long)get_global_id(0) * share, last = min(first + share, count);
     cpm_medium_data m = *medium;
     cpm_step_control c = *control;
+    cpm_step_control_set(&c); /* what follows from the method and rtol: the host need not know */
     cpm_ray_goal goal = *plane;
     cpm_trace_arrays arrays;
     arrays.starts = starts, arrays.ends = ends, arrays.positions = positions, arrays.samples = samples;

@@ -1,16 +1,12 @@
 /* shared/medium.h: n and g = (1/2) grad n^2 of any medium. n is not above 0 (or NaN) where n^2 <= 0: check less(0, n).
- *
- * CPM_MEDIA says which kinds are compiled in: bit 1 << CPM_MEDIUM_... (all by default). */
+ */
 #ifndef CPM_SHARED_MEDIUM_H
 #define CPM_SHARED_MEDIUM_H
+#include "medium_central.h"
 #include "medium_grid.h"
 #include "medium_layered.h"
 #include "medium_linear.h"
-
-#ifndef CPM_MEDIA
-#define CPM_MEDIA 31
-#endif
-#define CPM_IS_KIND(m, k) (((CPM_MEDIA >> (k)) & 1) && (m)->kind == (k))
+#include "medium_sources.h"
 
 CPM_INLINE real3 cpm_field(const cpm_medium_data *m, CPM_GLOBAL const double *table, real3 r, real scale, real *n) {
     if (CPM_IS_KIND(m, CPM_MEDIUM_LINEAR_SQUARED)) return cpm_field_linear_squared(m, r, scale, n);
@@ -20,6 +16,22 @@ CPM_INLINE real3 cpm_field(const cpm_medium_data *m, CPM_GLOBAL const double *ta
         if (m->interpolation == CPM_FIELD_CUBIC) return cpm_field_grid_cubic(m, table, r, scale, n);
         return cpm_field_grid_linear(m, table, r, scale, n);
     }
+    if (CPM_IS_KIND(m, CPM_MEDIUM_PARABOLIC)) return cpm_field_parabolic(m, r, scale, n);
+    if (CPM_IS_KIND(m, CPM_MEDIUM_LUNEBURG)) return cpm_field_luneburg(m, r, scale, n);
+    if (CPM_IS_KIND(m, CPM_MEDIUM_FISHEYE)) return cpm_field_fisheye(m, r, scale, n);
+    if (CPM_IS_KIND(m, CPM_MEDIUM_EATON)) return cpm_field_eaton(m, r, scale, n);
+    if (CPM_IS_KIND(m, CPM_MEDIUM_SOURCES)) return cpm_field_sources(m, table, r, scale, n);
     return cpm_field_homogeneous(m, scale, n);
+}
+
+/* n grows without bound at some place: rays may end there, captured. */
+CPM_INLINE int cpm_is_singular(const cpm_medium_data *m) {
+    return CPM_IS_KIND(m, CPM_MEDIUM_EATON) || CPM_IS_KIND(m, CPM_MEDIUM_SOURCES);
+}
+/* How far it is to the nearest such place, metres: a longer step could leap over it. */
+CPM_INLINE real cpm_singular_distance(const cpm_medium_data *m, CPM_GLOBAL const double *table, real3 r) {
+    if (CPM_IS_KIND(m, CPM_MEDIUM_SOURCES)) return cpm_nearest_source(m, table, r);
+    real3 u = cpm_from_center(m, r);
+    return R(m->high) * root(dot3(u, u));
 }
 #endif

@@ -2,21 +2,15 @@
  *
  * Two ways to ask, each built when first needed:
  *  - straight: Embree's own triangles (float, ROBUST), the hit polished in double;
- *  - curve: a tree of our own (bvh.h) whose boxes and triangles grow by what a curve strays from its chord; what may be
- *    met is then tested on the curve itself, in double. */
+ *  - curve: a tree of our own (cl/shared/walk.h) whose boxes and triangles grow by what a curve strays from its chord;
+ * what may be met is then tested on the curve itself, in double. */
 #ifndef CPM_GEOMETRY_H
 #define CPM_GEOMETRY_H
 #include "api/context.h"
 #include "cl/shared/curve.h"
+#include "cl/types/tree.h" /* cpm_hit */
 
 typedef struct cpm_geometry cpm_geometry;
-
-typedef struct cpm_hit {
-    int32_t primitive; /* -1: none */
-    double t;          /* straight: distance; curve: theta */
-    double u, v;       /* barycentric */
-    cpm_vec position;  /* on the ray, metres */
-} cpm_hit;
 
 /* Borrows the arrays. Primitives are numbered triangles first, then spheres. */
 cpm_status cpm_geometry_create(cpm_context *context, const cpm_triangle *triangles, size_t triangle_count,

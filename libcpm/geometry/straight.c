@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "cl/shared/clip.h"
 #include "embree.h"
 #include "parts.h"
 
@@ -25,7 +26,7 @@ static cpm_curve line_of(const cpm_straight_ray *ray) {
 
 static void sphere_bounds(const struct RTCBoundsFunctionArguments *args) {
     const cpm_geometry *g = args->geometryUserPtr;
-    double low[3], high[3], margin = 8.0 * ULP * g->scale;
+    double low[3], high[3], margin = 8.0 * ULP * g->tree.frame.scale;
     cpm_primitive_box(g, g->triangle_count + args->primID, low, high);
     struct RTCBounds *o = args->bounds_o;
     o->lower_x = (float)(low[0] - g->center.x - margin), o->upper_x = (float)(high[0] - g->center.x + margin);
@@ -39,7 +40,7 @@ static double sphere_hit(const query *q, unsigned lane, unsigned number, float f
     const cpm_straight_ray *ray = q->rays[lane];
     const cpm_curve line = line_of(ray);
     const int32_t primitive = (int32_t)(q->geometry->triangle_count + number);
-    return cpm_curve_sphere(&line, &q->geometry->spheres[number], primitive == ray->left, 0.0, (double)far);
+    return cpm_curve_sphere(&line, &q->geometry->tree.spheres[number], primitive == ray->left, 0.0, (double)far);
 }
 
 /* Embree's packets of any size N are arrays of N, one after the other, in the order of struct RTCRayHit (its accessors
@@ -89,7 +90,7 @@ cpm_status cpm_straight_build(cpm_context *context, cpm_geometry *g) {
         }
         double center[3] = {g->center.x, g->center.y, g->center.z};
         for (size_t i = 0; i < g->triangle_count; i++) {
-            const cpm_triangle *t = &g->triangles[i];
+            const cpm_triangle *t = &g->tree.triangles[i];
             for (int k = 0; k < 3; k++) {
                 double a = t->corner[k] - center[k];
                 vertices[9 * i + (size_t)k] = (float)a;
@@ -123,8 +124,10 @@ cpm_status cpm_straight_build(cpm_context *context, cpm_geometry *g) {
 static void ask_exactly(const cpm_geometry *g, const cpm_straight_ray *ray) {
     double enter = -ray->slack, leave = INFINITY;
     ray->hit->primitive = -1;
-    if (!cpm_clip_to_box(g, *ray->origin, *ray->direction, 1e-12 * g->scale, &enter, &leave) || !(leave > 0.0)) return;
-    const double reach = leave + 1e-9 * (leave + g->scale);
+    if (!cpm_clip_to_box(&g->tree, *ray->origin, *ray->direction, 1e-12 * g->tree.frame.scale, &enter, &leave) ||
+        !(leave > 0.0))
+        return;
+    const double reach = leave + 1e-9 * (leave + g->tree.frame.scale);
     cpm_curve line = line_of(ray);
     line.c[1] = cpm_scaled(reach, line.c[1]);
     cpm_geometry_curve(g, &line, 1.0, ray->left, ray->slack / reach, ray->filter, ray->hit);
@@ -157,10 +160,10 @@ static void settle(const cpm_geometry *g, const cpm_straight_ray *ray, unsigned 
     int known = 0;
     if (geometry == 0 && (int32_t)number != ray->left) {
         ray->hit->primitive = (int32_t)number;
-        known = polish(&g->triangles[number], ray);
+        known = polish(&g->tree.triangles[number], ray);
     } else if (geometry == 1) {
         ray->hit->primitive = (int32_t)(g->triangle_count + number);
-        known = polish_sphere(&g->spheres[number], ray, ray->hit->primitive == ray->left, (double)far);
+        known = polish_sphere(&g->tree.spheres[number], ray, ray->hit->primitive == ray->left, (double)far);
     }
     if (!known) ask_exactly(g, ray); /* a miss, or itself, or so near an edge */
 }
@@ -188,7 +191,7 @@ static void ask_four(const cpm_geometry *g, const cpm_straight_ray *const *rays,
     q.rays = rays;
     for (int i = 0; i < count; i++) {
         const cpm_vec local = cpm_sub(*rays[i]->origin, g->center);
-        const double size = cpm_max(g->scale, cpm_max(fabs(local.x), cpm_max(fabs(local.y), fabs(local.z))));
+        const double size = cpm_max(g->tree.frame.scale, cpm_max(fabs(local.x), cpm_max(fabs(local.y), fabs(local.z))));
         set_lane(&four, i, local, *rays[i]->direction, rays[i]->left >= 0 ? (float)(START_ULPS * ULP * size) : 0.0f);
         valid[i] = -1;
     }
@@ -202,7 +205,7 @@ void cpm_geometry_straight_many(const cpm_geometry *g, const cpm_straight_ray *r
     int n = 0;
     for (size_t i = 0; i < count; i++) {
         rays[i].hit->primitive = -1;
-        if (!g->curved.nodes) continue;
+        if (!g->tree.nodes) continue;
         if (rays[i].exact || rays[i].slack > 0.0 || !g->straight) {
             ask_exactly(g, &rays[i]);
             continue;

@@ -12,7 +12,7 @@ int cpm_medium_is_uniform(const cpm_medium *medium) { return medium->data.unifor
 
 int cpm_medium_has_exact(const cpm_medium *medium) {
     const cpm_medium_data *d = &medium->data;
-    return d->uniform || d->kind == CPM_MEDIUM_LINEAR_SQUARED || d->kind == CPM_MEDIUM_LINEAR ||
+    return d->uniform || d->kind == CPM_MEDIUM_LINEAR_SQUARED || d->kind == CPM_MEDIUM_LINEAR || cpm_is_central(d) ||
            (d->kind == CPM_MEDIUM_LAYERED && d->interpolation != CPM_FIELD_CUBIC);
 }
 

@@ -54,6 +54,10 @@ class Medium:
         """
         return self._handle.evaluate(as_points(points, "points"), as_number(wavelength, "wavelength"))
 
+    def _own_bounds(self) -> Bounds | None:
+        """Where it is in a scene's list if it was given no bounds; None: it must be given some."""
+        return None
+
     def __repr__(self) -> str:
         shown = [f"{name}={value!r}" for name, value in vars(self).items()
                  if not name.startswith("_") and value is not None and not hasattr(value, "shape")]
