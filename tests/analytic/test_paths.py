@@ -18,6 +18,8 @@ WAVELENGTH = 550.0
 TOLERANCES = {
     "euler": [1e-2, 1e-3],
     "dopri5": [1e-3, 1e-6, 1e-9, 1e-12],
+    "adams": [1e-2, 1e-3, 1e-6, 1e-9, 1e-12],
+    "nystrom": [1e-2, 1e-3, 1e-4, 1e-6, 1e-9, 1e-12],
     "auto": [1e-3, 1e-6, 1e-9, 1e-12],
 }
 NUMERIC = [(m, t) for m, ts in TOLERANCES.items() for t in ts]

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 ROOT = Path(__file__).resolve().parents[2]
-METHODS = {"auto": 0, "exact": 1, "euler": 2, "rk4": 3, "dopri5": 4}
+METHODS = {"auto": 0, "exact": 1, "euler": 2, "rk4": 3, "dopri5": 4, "nystrom": 5, "adams": 6, "leapfrog": 7, "yoshida6": 8}
 F64P = ct.POINTER(ct.c_double)
 
 

@@ -22,7 +22,7 @@
 typedef struct cpm_lane_control {
     const cpm_medium_data *medium;
     const double *table;
-    int32_t method;           /* CPM_METHOD_EULER, _RK4 (needs step) or _DOPRI5; AUTO stands for DOPRI5 */
+    int32_t method;           /* a cpm_method that integrates (medium/method.h), neither AUTO nor EXACT */
     int32_t single_precision; /* 1: float lanes */
     double rtol, atol;        /* both as asked; rtol 0: the method's default */
     double step, max_step;    /* metres of arc; 0: none */

@@ -7,6 +7,7 @@
 #include "advance.h"
 #include "cpm/ray.h"
 #include "lanes.h"
+#include "medium/method.h"
 #include "parabolas.h"
 
 #ifndef CPM_ISA_COUNT
@@ -79,12 +80,9 @@ const cpm_lane_code *cpm_lane_code_for(int32_t kind, int single_precision) {
 }
 
 static cpm_step_control control_of(const cpm_lane_control *c) {
-    int euler = c->method == CPM_METHOD_EULER;
-    cpm_step_control s = {.method = c->method == CPM_METHOD_AUTO || c->method == CPM_METHOD_EXACT ? CPM_STEP_DOPRI5
-                                                                                                  : c->method,
-                          .rtol = c->rtol > 0.0 ? c->rtol
-                                  : euler       ? 1e-2
-                                                : 1e-6,
+    cpm_step_control s = {.method = c->method,
+                          .rtol = cpm_method_rtol(c->method, c->rtol),
+                          .dense = 1, /* surfaces are met between the ends */
                           .atol = c->atol,
                           .step = c->step,
                           .max_step = c->max_step > 0.0 ? c->max_step : CPM_INFINITE,
