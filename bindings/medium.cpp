@@ -34,7 +34,7 @@ std::shared_ptr<Medium> make_medium(Create &&create) {
 }
 
 std::shared_ptr<Medium> make_layered(const Doubles &heights, const Doubles &n, const Point &up, const Point &origin,
-                                     int32_t interpolation, const cpm_dispersion *dispersion) {
+                                     double radius, int32_t interpolation, const cpm_dispersion *dispersion) {
     cpm_layered_desc desc{};
     desc.struct_size = sizeof desc;
     desc.heights = heights.data();
@@ -43,6 +43,7 @@ std::shared_ptr<Medium> make_layered(const Doubles &heights, const Doubles &n, c
     std::copy(up.begin(), up.end(), desc.up);
     std::copy(origin.begin(), origin.end(), desc.origin);
     desc.interpolation = interpolation;
+    desc.radius = radius;
     return make_medium([&](cpm_context *context, cpm_medium **medium) {
         return cpm_medium_create_layered(context, &desc, dispersion, medium);
     });
@@ -139,8 +140,8 @@ void bind_medium(py::module_ &module) {
             });
         },
         arg("n"), arg("gradient"), arg("origin"), arg("dispersion").none(true));
-    module.def("layered", &make_layered, arg("heights"), arg("n"), arg("up"), arg("origin"), arg("interpolation"),
-               arg("dispersion").none(true));
+    module.def("layered", &make_layered, arg("heights"), arg("n"), arg("up"), arg("origin"), arg("radius"),
+               arg("interpolation"), arg("dispersion").none(true));
     module.def("grid", &make_grid, arg("values"), arg("origin"), arg("spacing"), arg("interpolation"),
                arg("dispersion").none(true));
 }

@@ -38,7 +38,7 @@ typedef struct cpm_dispersion {
 typedef enum cpm_interpolation {
     CPM_INTERPOLATION_LINEAR = 0,         /* grid: trilinear n */
     CPM_INTERPOLATION_CUBIC = 1,          /* grid: C2 interpolating B-spline; layered: C2 natural spline of n */
-    CPM_INTERPOLATION_LINEAR_SQUARED = 2, /* layered: n^2 linear in height between samples, constant outside */
+    CPM_INTERPOLATION_LINEAR_SQUARED = 2, /* layered: n^2 linear in height (spherical: in rho^2) between, constant outside */
     CPM_INTERPOLATION_STEP = 3            /* layered: n constant from a height to the next, Snell between */
 } cpm_interpolation;
 
@@ -66,6 +66,9 @@ typedef struct cpm_layered_desc {
     double origin[3];
     int32_t interpolation; /* CUBIC, LINEAR_SQUARED or STEP */
     int32_t reserved;
+    double radius; /* metres; 0: flat. Else heights are above a sphere of this radius whose centre is `radius` below
+                      origin (against `up`), all above -radius; LINEAR_SQUARED is linear in the square of the distance
+                      from that centre */
 } cpm_layered_desc;
 CPM_API cpm_status cpm_medium_create_layered(cpm_context *context, const cpm_layered_desc *desc,
                                              const cpm_dispersion *dispersion, cpm_medium **medium);
