@@ -27,7 +27,7 @@ CPM_INLINE real cpm_sign(real a) {
     return pick(less(zero, a), one, pick(less(a, zero), -one, R(0.0) * a));
 }
 
-CPM_INLINE real cpm_operation(int operation, real a, real b, real c, scalar k, scalar l) {
+CPM_INLINE real cpm_operate(int operation, real a, real b, real c, scalar k, scalar l) {
     const real zero = splat(0.0), one = splat(1.0);
     switch (operation) {
     case CPM_OP_CONSTANT: return splat(k);
@@ -74,7 +74,7 @@ CPM_INLINE real3 cpm_field_expression(const cpm_medium_data *m, CPM_GLOBAL const
     for (int i = 0; i < m->size[0]; i++, at += CPM_INSTRUCTION) {
         const cpm_u64 code = cpm_bits_of(at[0]);
         registers[(code >> 8) & 127] =
-            cpm_operation((int)(code & 255), registers[(code >> 16) & 127], registers[(code >> 24) & 127],
+            cpm_operate((int)(code & 255), registers[(code >> 16) & 127], registers[(code >> 24) & 127],
                           registers[(code >> 32) & 127], R(at[1]), R(at[2]));
     }
     const int out = m->size[1]; /* the four results, eight bits each */

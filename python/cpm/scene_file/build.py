@@ -163,6 +163,13 @@ class _Builder:
                 case models.LayeredTable():
                     return media.Layered(table.heights, table.n, table.up, table.origin, table.radius,
                                          table.interpolation, **common)
+                case models.ExpressionTable():
+                    return media.Expression(table.text, **table.constants, **common)
+                case models.SumTable():
+                    if table.dispersion is not None:
+                        raise SceneFileError(self.path, f"{key}.dispersion", "is each term's own; a sum has none")
+                    terms = [self.medium(term, f"{key}.terms[{i}]") for i, term in enumerate(table.terms)]
+                    return media.Sum(*terms, bounds=bounds)
                 case _:
                     return self.grid(table, key, common)
 

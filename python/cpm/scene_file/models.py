@@ -180,6 +180,17 @@ class LayeredTable(MediumTable):
     interpolation: Literal["cubic", "linear-squared", "step"] = "cubic"
 
 
+class ExpressionTable(MediumTable):
+    type: Literal["expression"]
+    text: Text
+    constants: dict[str, Number] = {}
+
+
+class SumTable(MediumTable):
+    type: Literal["sum"]
+    terms: Annotated[list[AnyMedium], Field(min_length=1, max_length=64)]
+
+
 class GridTable(MediumTable):
     type: Literal["grid"]
     values: Text
@@ -190,8 +201,16 @@ class GridTable(MediumTable):
     gladstone_dale: Positive | None = None
 
 
-AnyMedium = Annotated[HomogeneousTable | LinearSquaredTable | LinearTable | LayeredTable | GridTable,
-                      Field(discriminator="type")]
+AnyMedium = Annotated[
+    HomogeneousTable
+    | LinearSquaredTable
+    | LinearTable
+    | LayeredTable
+    | GridTable
+    | ExpressionTable
+    | SumTable,
+    Field(discriminator="type")]
+SumTable.model_rebuild()
 
 
 # Materials.
