@@ -25,7 +25,8 @@ CPM_OUTLINE real3 cpm_field_long(const cpm_medium_data *m, CPM_GLOBAL const doub
     return cpm_field_shells(m, table, r, scale, n);
 }
 
-CPM_INLINE real3 cpm_field_one(const cpm_medium_data *m, CPM_GLOBAL const double *table, real3 r, real scale, real *n) {
+CPM_ALWAYS_INLINE real3 cpm_field_one(const cpm_medium_data *m, CPM_GLOBAL const double *table, real3 r, real scale,
+                                      real *n) {
     if (CPM_IS_KIND(m, CPM_MEDIUM_LINEAR_SQUARED)) return cpm_field_linear_squared(m, r, scale, n);
     if (CPM_IS_KIND(m, CPM_MEDIUM_LINEAR)) return cpm_field_linear(m, r, scale, n);
     if (CPM_IS_KIND(m, CPM_MEDIUM_LAYERED)) return cpm_field_layered(m, table, r, scale, n);
