@@ -367,27 +367,27 @@ CPM_INLINE void store_flags(mask v, cpm_i64 *p, int part) {
 #endif
 /* Lanes of double whatever the precision: what a ray's state is added up in, so that float steps lose nothing to it. */
 #if CPM_WIDTH == 1
-typedef double wide;
-#define to_wide(v) ((double)(v))
-#define load_wide(p, part) ((p)[part])
-#define store_wide(v, p, part) ((p)[part] = (v))
-#define root_wide(v) cpm_sqrt(v)
+typedef double broad;
+#define to_broad(v) ((double)(v))
+#define load_broad(p, part) ((p)[part])
+#define store_broad(v, p, part) ((p)[part] = (v))
+#define root_broad(v) cpm_sqrt(v)
 #elif defined(__OPENCL_VERSION__)
-typedef CPM_GLUE(double, CPM_WIDTH) wide;
-#define to_wide(v) CPM_GLUE(convert_double, CPM_WIDTH)(v)
-#define load_wide(p, part) CPM_GLUE(vload, CPM_WIDTH)(part, p)
-#define store_wide(v, p, part) CPM_GLUE(vstore, CPM_WIDTH)(v, part, p)
-#define root_wide(v) sqrt(v)
+typedef CPM_GLUE(double, CPM_WIDTH) broad;
+#define to_broad(v) CPM_GLUE(convert_double, CPM_WIDTH)(v)
+#define load_broad(p, part) CPM_GLUE(vload, CPM_WIDTH)(part, p)
+#define store_broad(v, p, part) CPM_GLUE(vstore, CPM_WIDTH)(v, part, p)
+#define root_broad(v) sqrt(v)
 #else
-typedef cpm_doubles wide;
-#define to_wide(v) __builtin_convertvector(v, wide)
-CPM_INLINE wide load_wide(const double *p, int part) {
-    wide v;
+typedef cpm_doubles broad;
+#define to_broad(v) __builtin_convertvector(v, broad)
+CPM_INLINE broad load_broad(const double *p, int part) {
+    broad v;
     memcpy(&v, p + part * CPM_WIDTH, sizeof v);
     return v;
 }
-CPM_INLINE void store_wide(wide v, double *p, int part) { memcpy(p + part * CPM_WIDTH, &v, sizeof v); }
-CPM_INLINE wide root_wide(wide v) {
+CPM_INLINE void store_broad(broad v, double *p, int part) { memcpy(p + part * CPM_WIDTH, &v, sizeof v); }
+CPM_INLINE broad root_broad(broad v) {
     for (int i = 0; i < CPM_WIDTH; i++) v[i] = sqrt(v[i]);
     return v;
 }

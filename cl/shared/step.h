@@ -82,13 +82,13 @@ CPM_INLINE void cpm_lanes_begin(const cpm_step_control *c, const cpm_medium_data
         h = pick(less(zero, h), h, cpm_first_step(c, m, &a, expected));
 #define CPM_FRESH(field, value) store_doubles(pick(new_ray, value, load_doubles(rays->field, part)), rays->field, part)
 #if CPM_SINGLE
-        wide px = load_wide(rays->p[0], part), py = load_wide(rays->p[1], part), pz = load_wide(rays->p[2], part);
+        broad px = load_broad(rays->p[0], part), py = load_broad(rays->p[1], part), pz = load_broad(rays->p[2], part);
         mask keep = ~(new_ray & good & less(zero, size));
-        wide unit = to_wide(pick(keep, splat(1.0), a.n)) / root_wide(to_wide(pick(keep, splat(1.0), zero)) +
-                    to_wide(pick(keep, zero, splat(1.0))) * (px * px + py * py + pz * pz));
-        store_wide(px * unit, rays->p[0], part);
-        store_wide(py * unit, rays->p[1], part);
-        store_wide(pz * unit, rays->p[2], part);
+        broad unit = to_broad(pick(keep, splat(1.0), a.n)) / root_broad(to_broad(pick(keep, splat(1.0), zero)) +
+                    to_broad(pick(keep, zero, splat(1.0))) * (px * px + py * py + pz * pz));
+        store_broad(px * unit, rays->p[0], part);
+        store_broad(py * unit, rays->p[1], part);
+        store_broad(pz * unit, rays->p[2], part);
 #else
         store3_doubles(a.p, rays->p, part);
 #endif
@@ -260,25 +260,25 @@ CPM_INLINE void cpm_end_at_turn(const cpm_attempt *a, mask backward, real h, rea
 
 #if CPM_SINGLE
 /* Moves one coordinate on in double: the piece's start, then r += h p + bend, p += push where accepted. */
-CPM_INLINE void cpm_keep_axis(double *r0, double *p0, double *r, double *p, int part, wide h, real bend, real push) {
-    wide at = load_wide(r, part), momentum = load_wide(p, part);
-    store_wide(at, r0, part);
-    store_wide(momentum, p0, part);
-    store_wide(at + (h * momentum + to_wide(bend)), r, part);
-    store_wide(momentum + to_wide(push), p, part);
+CPM_INLINE void cpm_keep_axis(double *r0, double *p0, double *r, double *p, int part, broad h, real bend, real push) {
+    broad at = load_broad(r, part), momentum = load_broad(p, part);
+    store_broad(at, r0, part);
+    store_broad(momentum, p0, part);
+    store_broad(at + (h * momentum + to_broad(bend)), r, part);
+    store_broad(momentum + to_broad(push), p, part);
 }
-CPM_INLINE void cpm_keep_wide(cpm_lane_rays *rays, int part, const cpm_trial *t, mask accepted, real piece_h) {
+CPM_INLINE void cpm_keep_broad(cpm_lane_rays *rays, int part, const cpm_trial *t, mask accepted, real piece_h) {
     const real zero = splat(0.0);
     const real3 none = triple(zero, zero, zero), bend = pick3(accepted, t->bend, none), push = pick3(accepted, t->push, none);
-    const wide h = to_wide(pick(accepted, piece_h, zero));
+    const broad h = to_broad(pick(accepted, piece_h, zero));
     cpm_keep_axis(rays->r0[0], rays->p0[0], rays->r[0], rays->p[0], part, h, bend.x, push.x);
     cpm_keep_axis(rays->r0[1], rays->p0[1], rays->r[1], rays->p[1], part, h, bend.y, push.y);
     cpm_keep_axis(rays->r0[2], rays->p0[2], rays->r[2], rays->p[2], part, h, bend.z, push.z);
-    const wide length = load_wide(rays->length, part), path = load_wide(rays->optical_path, part);
-    store_wide(length, rays->length0, part);
-    store_wide(path, rays->optical_path0, part);
-    store_wide(length + to_wide(pick(accepted, t->way, zero)), rays->length, part);
-    store_wide(path + to_wide(pick(accepted, t->path, zero)), rays->optical_path, part);
+    const broad length = load_broad(rays->length, part), path = load_broad(rays->optical_path, part);
+    store_broad(length, rays->length0, part);
+    store_broad(path, rays->optical_path0, part);
+    store_broad(length + to_broad(pick(accepted, t->way, zero)), rays->length, part);
+    store_broad(path + to_broad(pick(accepted, t->path, zero)), rays->optical_path, part);
 }
 #endif
 
@@ -287,7 +287,7 @@ CPM_INLINE void cpm_keep(cpm_lane_rays *rays, int part, const cpm_attempt *a, co
                          mask accepted, real piece_h) {
     const real error_turn = load_doubles(rays->error_turn, part);
 #if CPM_SINGLE
-    cpm_keep_wide(rays, part, t, accepted, piece_h);
+    cpm_keep_broad(rays, part, t, accepted, piece_h);
 #else
     const real length = load_doubles(rays->length, part), path = load_doubles(rays->optical_path, part);
     store3_doubles(pick3(accepted, a->at.r, load3_doubles(rays->r0, part)), rays->r0, part);

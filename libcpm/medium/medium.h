@@ -30,6 +30,9 @@ int cpm_medium_has_exact(const cpm_medium *medium);
 /* Only the closed form exists: discrete layers have no gradient to integrate. */
 int cpm_medium_needs_exact(const cpm_medium *medium);
 
+/* Bits 1 << CPM_MEDIUM_ of what code needs for it (CPM_MEDIA): its kind, and a sum's terms'. */
+uint32_t cpm_medium_kinds(const cpm_medium *medium);
+
 /* At one point r (metres) and scale s. NaN where n^2 <= 0. g = (1/2) grad n^2 = n grad n. */
 double cpm_medium_n(const cpm_medium *medium, double scale, const double r[3]);
 void cpm_medium_field(const cpm_medium *medium, double scale, const double r[3], double *n, double g[3]);

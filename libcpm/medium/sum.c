@@ -134,6 +134,16 @@ cpm_status cpm_medium_create_sum(cpm_context *context, cpm_medium *const *terms,
     return make(context, &all, medium);
 }
 
+uint32_t cpm_medium_kinds(const cpm_medium *medium) {
+    uint32_t kinds = UINT32_C(1) << medium->data.kind;
+    for (int32_t i = 0; medium->data.kind == CPM_MEDIUM_SUM && i < medium->data.size[0]; i++) {
+        cpm_term term;
+        memcpy(&term, medium->table + CPM_TERM * i, sizeof term);
+        kinds |= UINT32_C(1) << term.data.kind;
+    }
+    return kinds;
+}
+
 cpm_status cpm_sum_check(cpm_context *context, const cpm_medium *medium, double wavelength) {
     if (medium->data.kind != CPM_MEDIUM_SUM) return CPM_OK;
     for (int32_t i = 0; i < medium->data.size[0]; i++) {
