@@ -99,6 +99,21 @@ std::shared_ptr<Medium> make_sum(const std::vector<std::shared_ptr<Medium>> &ter
     });
 }
 
+/* Rows of one length, checked by the package. */
+std::shared_ptr<Medium> make_sources(const Doubles &centers, const Doubles &directions, const Doubles &strengths,
+                                     const Doubles &exponents, const cpm_dispersion *dispersion) {
+    cpm_sources_desc desc{};
+    desc.struct_size = sizeof desc;
+    desc.count = static_cast<size_t>(strengths.size());
+    desc.centers = centers.data();
+    desc.directions = directions.data();
+    desc.strengths = strengths.data();
+    desc.exponents = exponents.data();
+    return make_medium([&](cpm_context *context, cpm_medium **medium) {
+        return cpm_medium_create_sources(context, &desc, dispersion, medium);
+    });
+}
+
 py::tuple evaluate(const Medium &medium, const Doubles &points, double wavelength) {
     Context context;
     const auto count = points.shape(0);
@@ -172,6 +187,40 @@ void bind_medium(py::module_ &module) {
             });
         },
         arg("n"), arg("gradient"), arg("origin"), arg("dispersion").none(true));
+    module.def(
+        "parabolic",
+        [](double n, double alpha, const Point &axis, const Point &origin, const cpm_dispersion *dispersion) {
+            return make_medium([&](cpm_context *context, cpm_medium **medium) {
+                return cpm_medium_create_parabolic(context, n, alpha, axis.data(), origin.data(), dispersion, medium);
+            });
+        },
+        arg("n"), arg("alpha"), arg("axis"), arg("origin"), arg("dispersion").none(true));
+    module.def(
+        "luneburg",
+        [](double radius, const Point &center, const cpm_dispersion *dispersion) {
+            return make_medium([&](cpm_context *context, cpm_medium **medium) {
+                return cpm_medium_create_luneburg(context, radius, center.data(), dispersion, medium);
+            });
+        },
+        arg("radius"), arg("center"), arg("dispersion").none(true));
+    module.def(
+        "fisheye",
+        [](double n, double radius, const Point &center, const cpm_dispersion *dispersion) {
+            return make_medium([&](cpm_context *context, cpm_medium **medium) {
+                return cpm_medium_create_fisheye(context, n, radius, center.data(), dispersion, medium);
+            });
+        },
+        arg("n"), arg("radius"), arg("center"), arg("dispersion").none(true));
+    module.def(
+        "eaton",
+        [](double radius, const Point &center, const cpm_dispersion *dispersion) {
+            return make_medium([&](cpm_context *context, cpm_medium **medium) {
+                return cpm_medium_create_eaton(context, radius, center.data(), dispersion, medium);
+            });
+        },
+        arg("radius"), arg("center"), arg("dispersion").none(true));
+    module.def("sources", &make_sources, arg("centers"), arg("directions"), arg("strengths"), arg("exponents"),
+               arg("dispersion").none(true));
     module.def("layered", &make_layered, arg("heights"), arg("n"), arg("up"), arg("origin"), arg("radius"),
                arg("interpolation"), arg("dispersion").none(true));
     module.def("expression", &make_expression, arg("codes"), arg("constants"), arg("results"), arg("feature"),

@@ -80,9 +80,12 @@ py::dict trace(const Medium *medium, const Scene *scene, const Doubles &origins,
 
 void bind_rays(py::module_ &module) {
     using py::arg;
-    module.attr("METHODS") = py::dict(arg("auto") = int{CPM_METHOD_AUTO}, arg("exact") = int{CPM_METHOD_EXACT},
-                                      arg("euler") = int{CPM_METHOD_EULER}, arg("rk4") = int{CPM_METHOD_RK4},
-                                      arg("dopri5") = int{CPM_METHOD_DOPRI5});
+    module.attr("METHODS") =
+        py::dict(arg("auto") = int{CPM_METHOD_AUTO}, arg("exact") = int{CPM_METHOD_EXACT},
+                 arg("euler") = int{CPM_METHOD_EULER}, arg("rk4") = int{CPM_METHOD_RK4},
+                 arg("dopri5") = int{CPM_METHOD_DOPRI5}, arg("nystrom") = int{CPM_METHOD_NYSTROM},
+                 arg("adams") = int{CPM_METHOD_ADAMS}, arg("leapfrog") = int{CPM_METHOD_LEAPFROG},
+                 arg("yoshida6") = int{CPM_METHOD_YOSHIDA6});
     module.attr("ERROR_MODES") = py::dict(arg("local") = int{CPM_ERROR_LOCAL}, arg("global") = int{CPM_ERROR_GLOBAL});
     module.def("trace", &trace, py::kw_only(), arg("medium").none(true), arg("scene").none(true), arg("origins"),
                arg("directions"), arg("wavelengths"), arg("lengths").none(true), arg("plane_point").none(true),

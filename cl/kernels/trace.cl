@@ -8,13 +8,15 @@ __kernel void cpm_trace(__global const cpm_medium_data *medium, __global const d
     long first = (long)get_global_id(0) * share, last = min(first + share, count);
     cpm_medium_data m = *medium;
     cpm_step_control c = *control;
+    cpm_step_control_set(&c); /* what follows from the method and rtol: the host need not know */
     cpm_ray_goal goal = *plane;
     cpm_trace_arrays arrays;
     arrays.starts = starts, arrays.ends = ends, arrays.positions = positions, arrays.samples = samples;
     if (first < last) cpm_trace_range(&c, &m, table, &goal, &arrays, first, last);
 }
 
-/* n and (1/2) grad n^2 at points (x, y, z, scale each): out has n, gx, gy, gz each. count is a multiple of CPM_WIDTH. */
+/* n and (1/2) grad n^2 at points (x, y, z, scale each): out has n, gx, gy, gz each. count is a multiple of CPM_WIDTH.
+ */
 __kernel void cpm_evaluate(__global const cpm_medium_data *medium, __global const double *table,
                            __global const double *points, __global double *out) {
     cpm_medium_data m = *medium;

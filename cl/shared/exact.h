@@ -1,45 +1,78 @@
-/* shared/exact.h: closed forms of whole paths: straight, parabola, catenary, layers flat and round. Scalar double on both sides.
+/* shared/exact.h: closed forms of whole paths: straight, parabola, catenary, layers flat and round, ellipses. Scalar
+ * double on both sides.
  *
- * A path is a chain of segments, each exact over any part of it; only layered media need more than one. cpm_exact_next
- * gives it in the pieces of types/ray.h for geometry, cpm_exact_trace ends it at an arc length or a plane. */
+ * A path is a chain of segments, each exact over any part of it; only layered media and lenses need more than one.
+ * cpm_exact_next gives it in the pieces of types/ray.h for geometry, cpm_exact_trace ends it at an arc length or a
+ * plane. */
 #ifndef CPM_SHARED_EXACT_H
 #define CPM_SHARED_EXACT_H
 #include "../types/lanes.h"
 #include "../types/trace.h"
 #include "exact_catenary.h"
+#include "exact_central.h"
 #include "exact_layers.h"
 #include "exact_shells.h"
 
+#define CPM_SEGMENT_PARABOLA 0 /* straight where g = 0 */
+#define CPM_SEGMENT_CATENARY 1
+#define CPM_SEGMENT_ELLIPSE 2
+#define CPM_SEGMENT_HARMONIC 3 /* a spherical layer */
+
 typedef struct cpm_segment {
     double r[3], p[3], g[3]; /* start; g: half grad n^2, or grad n of a catenary */
-    double sigma;            /* where it ends naturally; CPM_EXACT_INFINITE */
+    double sigma, scale;     /* where it ends naturally; CPM_EXACT_INFINITE. The dispersion's scale */
     double face;             /* height of the face there, CPM_EXACT_INFINITE: none */
-    int catenary, counted;   /* counted: 1 where it is one of many (an evaluation) */
-    int round;               /* a spherical layer: `harmonic`, not `split` */
+    int shape, counted;      /* CPM_SEGMENT_; counted: 1 where it is one of many (an evaluation) */
+    int to_sphere, padding;  /* it ends on the lens's sphere */
     cpm_split split;
-    cpm_harmonic harmonic;
+    cpm_ellipse ellipse;
+    cpm_harmonic harmonic;   /* of a spherical layer */
 } cpm_segment;
+
+/* Never, for the compiler too, where no medium with such paths is compiled in. */
+CPM_INLINE int cpm_is_ellipse(const cpm_segment *s) {
+    return (CPM_MEDIA >> CPM_MEDIUM_PARABOLIC & 15) && s->shape == CPM_SEGMENT_ELLIPSE;
+}
+
+/* Fibre, fish-eye, lens. */
+CPM_INLINE void cpm_segment_central(const cpm_medium_data *m, double scale, const double r[3], double p[3],
+                                    double sigma_limit, cpm_segment *s) {
+    int on = 0;
+    if (cpm_is_ball(m) && !cpm_ball_holds(m, r, p, &on)) {
+        double entry = cpm_ball_entry(m, r, p, on);
+        if (entry <= sigma_limit && entry < CPM_EXACT_INFINITE) s->sigma = entry, s->to_sphere = 1;
+        return;
+    }
+    s->shape = CPM_SEGMENT_ELLIPSE;
+    cpm_central_start(m, scale, r, p, on, &s->ellipse);
+    s->to_sphere = cpm_is_ball(m);
+}
 
 /* 0, or 1 where this medium has no closed form. p may be turned by Snell's law at a discrete face. */
 CPM_INLINE int cpm_segment_start(const cpm_medium_data *m, CPM_GLOBAL const double *table, double scale,
                                  const double r[3], double p[3], double sigma_limit, cpm_segment *s) {
     s->sigma = sigma_limit;
+    s->scale = scale;
     s->face = CPM_EXACT_INFINITE;
-    s->catenary = s->counted = s->round = 0;
+    s->shape = CPM_SEGMENT_PARABOLA;
+    s->counted = s->to_sphere = 0;
     s->harmonic.c = s->harmonic.w = 0.0;
     for (int k = 0; k < 3; k++) s->g[k] = 0.0;
     if (!m->uniform) {
         if (m->kind == CPM_MEDIUM_LINEAR_SQUARED || m->kind == CPM_MEDIUM_LINEAR) {
-            s->catenary = m->kind == CPM_MEDIUM_LINEAR;
-            for (int k = 0; k < 3; k++) s->g[k] = (s->catenary ? scale : 0.5 * scale) * m->axis[k];
+            if (m->kind == CPM_MEDIUM_LINEAR) s->shape = CPM_SEGMENT_CATENARY;
+            for (int k = 0; k < 3; k++) s->g[k] = (s->shape ? scale : 0.5 * scale) * m->axis[k];
         } else if (m->kind == CPM_MEDIUM_LAYERED && m->interpolation != CPM_FIELD_CUBIC) {
             s->sigma = cpm_layer_parabola(m, table, scale, r, p, s->g, sigma_limit, &s->face);
             s->counted = 1;
         } else if (m->kind == CPM_MEDIUM_SHELLS && m->interpolation != CPM_FIELD_CUBIC) {
             s->harmonic = cpm_shell_path(m, table, scale, r, p, sigma_limit, &s->sigma, &s->face);
-            s->counted = s->round = 1;
+            s->counted = 1;
+            s->shape = CPM_SEGMENT_HARMONIC;
             for (int k = 0; k < 3; k++) s->g[k] = s->harmonic.c * s->harmonic.out[k];
-        } else
+        } else if (cpm_is_central(m))
+            cpm_segment_central(m, scale, r, p, sigma_limit, s);
+        else
             return 1;
     }
     for (int k = 0; k < 3; k++) s->r[k] = r[k], s->p[k] = p[k];
@@ -50,8 +83,9 @@ CPM_INLINE int cpm_segment_start(const cpm_medium_data *m, CPM_GLOBAL const doub
 /* Moves the end of a segment onto the face where it ends, to rounding. */
 CPM_INLINE void cpm_segment_snap(const cpm_medium_data *m, const cpm_segment *s, double r[3]) {
     double rounding;
+    if (cpm_is_ball(m) && s->to_sphere) cpm_ball_snap(m, r);
     if (!(s->face < CPM_EXACT_INFINITE)) return;
-    if (s->round) {
+    if (s->shape == CPM_SEGMENT_HARMONIC) {
         cpm_shell_snap(m, s->face, r);
         return;
     }
@@ -59,74 +93,107 @@ CPM_INLINE void cpm_segment_snap(const cpm_medium_data *m, const cpm_segment *s,
     for (int k = 0; k < 3; k++) r[k] += off * m->axis[k];
 }
 
+/* The piece of an ellipse that begins where the segment does. */
+CPM_INLINE double cpm_segment_piece(const cpm_medium_data *m, const cpm_segment *s, double sigma_limit, double least,
+                                    cpm_piece *piece) {
+    double x = cpm_central_reach(m, &s->ellipse, sigma_limit, least);
+    cpm_central_at(m, s->scale, &s->ellipse, x, piece->r1, piece->p1);
+    if (x == s->ellipse.end) cpm_segment_snap(m, s, piece->r1);
+    cpm_central_pull(m, s->scale, s->r, piece->g0);
+    cpm_central_pull(m, s->scale, piece->r1, piece->g1);
+    piece->h = cpm_central_sigma(m, &s->ellipse, x);
+    return cpm_ellipse_arc(&s->ellipse, x);
+}
+
 /* Documented in libcpm/backend/native/advance.h. */
 CPM_INLINE int cpm_exact_next(const cpm_medium_data *m, CPM_GLOBAL const double *table, double scale, const double r[3],
-                              double p[3], double sigma_limit, double length0, cpm_piece *piece, double *evaluations) {
+                              double p[3], double sigma_limit, double least, double length0, cpm_piece *piece,
+                              double *evaluations) {
     cpm_segment s;
     if (cpm_segment_start(m, table, scale, r, p, sigma_limit, &s)) return 1;
-    double h = s.sigma, length;
+    double length;
     if (s.counted) *evaluations += 1.0;
-    for (int k = 0; k < 3; k++) piece->r0[k] = r[k], piece->p0[k] = p[k];
-    if (s.catenary) {
-        h = fmin(h, CPM_CATENARY_PIECE / s.split.gamma);
-        length = cpm_catenary_after(&s.split, r, h, piece->r1, piece->p1);
-    } else if (s.round) {
-        double most = s.harmonic.w > 0.0 ? CPM_HARMONIC_PIECE / s.harmonic.w : CPM_EXACT_INFINITE;
-        if (h > most) h = most, s.face = CPM_EXACT_INFINITE;
-        cpm_harmonic_at(&s.harmonic, r, p, h, piece->r1, piece->p1);
-        cpm_segment_snap(m, &s, piece->r1);
-        length = cpm_harmonic_length(&s.harmonic, h);
-    } else {
-        cpm_parabola_at(r, p, s.g, h, piece->r1, piece->p1);
-        cpm_segment_snap(m, &s, piece->r1);
-        length = cpm_momentum_integral(&s.split, h);
+    for (int k = 0; k < 3; k++) {
+        piece->r0[k] = r[k], piece->p0[k] = p[k];
+        piece->g0[k] = piece->g1[k] = s.g[k];
     }
-    piece->h = h;
+    piece->h = s.sigma;
+    if (cpm_is_ellipse(&s))
+        length = cpm_segment_piece(m, &s, sigma_limit, least, piece);
+    else if (s.shape == CPM_SEGMENT_CATENARY) {
+        piece->h = fmin(s.sigma, CPM_CATENARY_PIECE / s.split.gamma);
+        length = cpm_catenary_after(&s.split, r, piece->h, piece->r1, piece->p1);
+    } else if (s.shape == CPM_SEGMENT_HARMONIC) {
+        double most = s.harmonic.w > 0.0 ? CPM_HARMONIC_PIECE / s.harmonic.w : CPM_EXACT_INFINITE;
+        if (piece->h > most) piece->h = most, s.face = CPM_EXACT_INFINITE;
+        cpm_harmonic_at(&s.harmonic, r, p, piece->h, piece->r1, piece->p1);
+        cpm_segment_snap(m, &s, piece->r1);
+        length = cpm_harmonic_length(&s.harmonic, piece->h);
+        for (int k = 0; k < 3; k++) piece->g1[k] = s.g[k] + s.harmonic.c * (piece->r1[k] - r[k]);
+    } else {
+        cpm_parabola_at(r, p, s.g, s.sigma, piece->r1, piece->p1);
+        cpm_segment_snap(m, &s, piece->r1);
+        length = cpm_momentum_integral(&s.split, s.sigma);
+    }
     piece->length0 = length0;
     piece->length1 = length0 + length;
     piece->n0 = s.split.e;
     piece->n1 = cpm_sqrt(cpm_dot(piece->p1, piece->p1));
-    for (int k = 0; k < 3; k++) {
-        piece->g0[k] = s.catenary ? piece->n0 * s.g[k] : s.g[k];
-        piece->g1[k] = s.catenary ? piece->n1 * s.g[k] : s.g[k];
-        if (s.round) piece->g1[k] = s.g[k] + s.harmonic.c * (piece->r1[k] - r[k]);
+    for (int k = 0; k < 3 && s.shape == CPM_SEGMENT_CATENARY; k++) {
+        piece->g0[k] = piece->n0 * s.g[k];
+        piece->g1[k] = piece->n1 * s.g[k];
     }
     return 0;
 }
 
 /* The arc length at which |p| falls to 1e-6 of n_start (p turning back through 0), else CPM_EXACT_INFINITE. */
-CPM_INLINE double cpm_segment_cutoff(const cpm_segment *s, double n_start) {
+CPM_INLINE double cpm_segment_cutoff(const cpm_medium_data *m, const cpm_segment *s, double n_start) {
     double least = 1e-6 * n_start;
-    if (s->round) {
+    if (s->shape == CPM_SEGMENT_HARMONIC) {
         const cpm_harmonic *h = &s->harmonic;
         if (h->c == 0.0) return CPM_EXACT_INFINITE;
         double rise = (least * least - h->square) / h->c, x = CPM_EXACT_INFINITE;
         if (h->rho2 + rise > 0.0) x = cpm_harmonic_reach(h, rise, 0);
         return x < CPM_EXACT_INFINITE && x <= s->sigma ? cpm_harmonic_length(h, x) : CPM_EXACT_INFINITE;
     }
+    if (cpm_is_ellipse(s)) {
+        double x = cpm_central_cutoff(m, &s->ellipse, least);
+        return x < CPM_EXACT_INFINITE ? cpm_ellipse_arc(&s->ellipse, x) : CPM_EXACT_INFINITE;
+    }
     if (!(s->split.q2 < least * least) || s->split.s >= 0.0 || s->split.gamma == 0.0) return CPM_EXACT_INFINITE;
     double x = (-cpm_sqrt(least * least - s->split.q2) - s->split.s) / s->split.gamma;
     if (!(x > 0.0)) return CPM_EXACT_INFINITE;
-    return s->catenary ? x : cpm_momentum_integral(&s->split, x);
+    return s->shape == CPM_SEGMENT_CATENARY ? x : cpm_momentum_integral(&s->split, x);
 }
 /* Arc length of the whole segment. */
 CPM_INLINE double cpm_segment_length(const cpm_segment *s) {
+    if (s->shape == CPM_SEGMENT_CATENARY) return CPM_EXACT_INFINITE;
+    if (cpm_is_ellipse(s))
+        return s->ellipse.end < CPM_EXACT_INFINITE ? cpm_ellipse_arc(&s->ellipse, s->ellipse.end) : CPM_EXACT_INFINITE;
     if (!(s->sigma < CPM_EXACT_INFINITE)) return CPM_EXACT_INFINITE;
-    if (s->round) return cpm_harmonic_length(&s->harmonic, s->sigma);
-    return cpm_momentum_integral(&s->split, s->sigma); /* never asked of a catenary: endless */
+    if (s->shape == CPM_SEGMENT_HARMONIC) return cpm_harmonic_length(&s->harmonic, s->sigma);
+    return cpm_momentum_integral(&s->split, s->sigma);
 }
 /* Point and momentum after an arc length; returns the optical path up to there. `whole`: to its natural end. */
 CPM_INLINE double cpm_segment_at(const cpm_medium_data *m, const cpm_segment *s, double length, int whole, double r[3],
                                  double p[3]) {
-    if (s->catenary) {
+    if (s->shape == CPM_SEGMENT_CATENARY) {
         cpm_catenary_at(&s->split, s->r, length, r, p);
         return cpm_momentum_integral(&s->split, length);
     }
-    if (s->round) {
+    if (s->shape == CPM_SEGMENT_HARMONIC) {
         double x = whole ? s->sigma : cpm_harmonic_inverse(&s->harmonic, length, s->sigma);
         cpm_harmonic_at(&s->harmonic, s->r, s->p, x, r, p);
         if (whole) cpm_segment_snap(m, s, r);
         return cpm_harmonic_path(&s->harmonic, x);
+    }
+    if (cpm_is_ellipse(s)) {
+        double x = whole ? s->ellipse.end : cpm_ellipse_of_arc(&s->ellipse, length);
+        for (int k = 0; k < 3; k++) r[k] = s->r[k], p[k] = s->p[k];
+        if (!(x > 0.0)) return 0.0;
+        cpm_central_at(m, s->scale, &s->ellipse, x, r, p);
+        if (whole) cpm_segment_snap(m, s, r);
+        return cpm_central_path(m, &s->ellipse, x);
     }
     double x = whole ? s->sigma : cpm_momentum_inverse(&s->split, length);
     cpm_parabola_at(s->r, s->p, s->g, x, r, p);
@@ -135,16 +202,21 @@ CPM_INLINE double cpm_segment_at(const cpm_medium_data *m, const cpm_segment *s,
 }
 /* Arc length of the first crossing of a plane within the segment (`most` metres), else -1. */
 CPM_INLINE double cpm_segment_plane(const cpm_segment *s, const double point[3], const double normal[3], double most) {
-    if (s->catenary) return cpm_catenary_plane(&s->split, s->r, s->p, point, normal, most);
-    if (s->round) {
+    if (s->shape == CPM_SEGMENT_CATENARY) return cpm_catenary_plane(&s->split, s->r, s->p, point, normal, most);
+    double length;
+    if (cpm_is_ellipse(s)) {
+        double x = cpm_ellipse_plane(&s->ellipse, point, normal);
+        if (!(x <= s->ellipse.end && x < CPM_EXACT_INFINITE)) return -1.0;
+        length = cpm_ellipse_arc(&s->ellipse, x);
+    } else if (s->shape == CPM_SEGMENT_HARMONIC) {
         double x = cpm_harmonic_plane(&s->harmonic, s->r, s->p, point, normal);
         if (!(x <= s->sigma) || !(x < CPM_EXACT_INFINITE)) return -1.0;
-        double length = cpm_harmonic_length(&s->harmonic, x);
-        return length <= most ? length : -1.0;
+        length = cpm_harmonic_length(&s->harmonic, x);
+    } else {
+        double x = cpm_parabola_plane(s->r, s->p, s->g, point, normal, s->sigma);
+        if (x < 0.0) return -1.0;
+        length = cpm_momentum_integral(&s->split, x);
     }
-    double x = cpm_parabola_plane(s->r, s->p, s->g, point, normal, s->sigma);
-    if (x < 0.0) return -1.0;
-    double length = cpm_momentum_integral(&s->split, x);
     return length <= most ? length : -1.0;
 }
 
@@ -154,6 +226,7 @@ CPM_INLINE double cpm_exact_index(const cpm_medium_data *m, CPM_GLOBAL const dou
                                   const double r[3], const double d[3]) {
     double value = m->value;
     int square = m->kind == CPM_MEDIUM_LINEAR_SQUARED;
+    if (cpm_is_central(m)) return cpm_central_index(m, scale, r);
     if (m->kind == CPM_MEDIUM_LAYERED) {
         double rounding, height = cpm_height_of(m, r, &rounding);
         square = m->interpolation == CPM_FIELD_LINEAR_SQUARED;
@@ -189,14 +262,14 @@ CPM_INLINE int cpm_exact_trace(const cpm_medium_data *m, CPM_GLOBAL const double
     for (int k = 0; k < 3; k++) r[k] = r0[k], p[k] = p0[k];
     while (status == CPM_ENDED_GOING) {
         cpm_segment s;
-        if (evaluations + 1.0 > goal->max_evaluations) {
+        if (evaluations + 1.0 > goal->max_evaluations || steps - evaluations > 1e4) {
             status = CPM_ENDED_EXHAUSTED;
             break;
         }
         if (cpm_segment_start(m, table, scale, r, p, CPM_EXACT_INFINITE, &s)) return 1;
         evaluations += s.counted;
-        double most = s.catenary ? CPM_EXACT_INFINITE : cpm_segment_length(&s), natural = most, stop = -1.0;
-        double cutoff = cpm_segment_cutoff(&s, n_start);
+        double most = cpm_segment_length(&s), natural = most, stop = -1.0;
+        double cutoff = cpm_segment_cutoff(m, &s, n_start);
         if (cutoff < most) most = cutoff;
         if (goal->length >= 0.0) {
             if (goal->length - length <= most) stop = goal->length - length, status = CPM_ENDED_ARRIVED;

@@ -19,11 +19,10 @@
  * until both halves agree. */
 #ifndef CPM_SHARED_EXACT_SHELLS_H
 #define CPM_SHARED_EXACT_SHELLS_H
-#include "elementary_more.h"
+#include "arctangent.h"
 #include "exact_layers.h"
 
 #define CPM_HARMONIC_PIECE 0.02 /* phase of a piece: the quintic's error is 2.2e-5 x 0.02^6 = 1.4e-15 of rho */
-#define CPM_PI 3.14159265358979324
 
 typedef struct cpm_harmonic {
     double c, w;            /* D'' = c D; w = sqrt |c| */

@@ -1,5 +1,5 @@
 /* shared/kinks.h: where grad n jumps: faces of the cells of a trilinear grid, layers whose n^2 is linear, the ends of
- * every table (beyond them the edge value is held).
+ * every table (beyond them the edge value is held), the spheres of Luneburg's and Eaton's lenses.
  *
  * A step across such a face has an error that no order helps against. So a step ends a hair before the next face along
  * the parabola of its start, and the next one begins with g from a hair beyond it. What the parabola misses of the true
@@ -115,10 +115,49 @@ CPM_INLINE real cpm_kink_of_shells(const cpm_medium_data *m, CPM_GLOBAL const do
                           R(2.0) * (dot3(a->p, a->p) + dot3(a->g, s.out)), below, above);
 }
 
+/* A lens's sphere, by u = |r - centre|^2: u' = 2 y . p, u'' = 2 (p^2 + y . g); outside, where paths are straight, that
+ * is all of it. A hair's distance is 2 R times as far in u. */
+CPM_INLINE real3 cpm_lens_radius(const cpm_medium_data *m, real3 r, real *radius) {
+    real3 y = triple(r.x - R(m->origin[0]), r.y - R(m->origin[1]), r.z - R(m->origin[2]));
+    *radius = root(dot3(y, y));
+    return y;
+}
+/* Short: what n changes by over it adds to the drift of |p|, and must stay within rounding (step.h) where g jumps as
+ * much as here. */
+CPM_INLINE real cpm_hair_of_sphere(const cpm_medium_data *m, scalar hair, real3 r) {
+    return hair + R(3.0 * CPM_ROUNDING) * (magnitude(r.x) + magnitude(r.y) + magnitude(r.z) +
+                                           splat(fabs(m->origin[0]) + fabs(m->origin[1]) + fabs(m->origin[2])));
+}
+CPM_INLINE real cpm_kink_of_sphere(const cpm_medium_data *m, scalar thin, const cpm_point *a, mask *near) {
+    const real none = splat(CPM_NO_KINK), at = splat(m->high);
+    real radius, hair = cpm_hair_of_sphere(m, thin, a->r);
+    real3 y = cpm_lens_radius(m, a->r, &radius);
+    real speed = R(2.0) * dot3(y, a->p), pull = R(2.0) * (dot3(a->p, a->p) + dot3(y, a->g)),
+         forward = cpm_forward(speed);
+    real ahead = radius + R(3.0) * hair * forward, behind = radius - R(3.0) * hair * forward;
+    mask inside = less(ahead, at);
+    *near |= less((ahead - at) * (behind - at), splat(0.0));
+    return cpm_kink_along(radius * radius, R(2.0 * m->high) * hair, forward, magnitude(speed), pull,
+                          pick(inside, -none, at * at), pick(inside, at * at, none));
+}
+
+CPM_INLINE real3 cpm_beyond_sphere(const cpm_medium_data *m, scalar thin, const cpm_point *a) {
+    real radius;
+    real3 y = cpm_lens_radius(m, a->r, &radius);
+    return add3(a->r, R(4.0) * cpm_forward(dot3(y, a->p)) * cpm_hair_of_sphere(m, thin, a->r) / radius, y);
+}
+
 /* Kinks that matter at this tolerance: in every cell a step over one of relative size k has an error of about k/20;
  * those at the ends of a smooth table are few and always worth it, but for slopes of rounding. */
 CPM_INLINE int cpm_has_kinks(const cpm_medium_data *m, double rtol) {
     return m->interpolation == CPM_FIELD_CUBIC ? m->jump * m->feature > 0.1 * rtol : m->kink > 20.0 * rtol;
+}
+
+/* What n may change by between the place where a step ends before a lens's sphere and the sphere, of n. */
+CPM_INLINE real cpm_kink_noise(const cpm_medium_data *m, double rtol, real3 r) {
+    if (CPM_IS_KIND(m, CPM_MEDIUM_LUNEBURG) || CPM_IS_KIND(m, CPM_MEDIUM_EATON))
+        return R(3.0 * m->jump) * cpm_hair_of_sphere(m, cpm_hair(m, rtol), r);
+    return splat(0.0);
 }
 
 /* Sigma to a hair before the next face; *near: one is within a few hairs already. Of a medium that is no sum. */
@@ -128,6 +167,8 @@ CPM_INLINE real cpm_next_kink_of(const cpm_medium_data *m, CPM_GLOBAL const doub
     *near = splat_mask(0);
     if (CPM_IS_KIND(m, CPM_MEDIUM_LAYERED)) return cpm_kink_of_layers(m, table, thin, a, near);
     if (CPM_IS_KIND(m, CPM_MEDIUM_SHELLS)) return cpm_kink_of_shells(m, table, thin, a, near);
+    if (CPM_IS_KIND(m, CPM_MEDIUM_LUNEBURG) || CPM_IS_KIND(m, CPM_MEDIUM_EATON))
+        return cpm_kink_of_sphere(m, thin, a, near);
     real x = cpm_kink_of_axis(m, thin, 0, a->r.x, a->p.x, a->g.x, near);
     real y = cpm_kink_of_axis(m, thin, 1, a->r.y, a->p.y, a->g.y, near);
     return smaller(smaller(x, y), cpm_kink_of_axis(m, thin, 2, a->r.z, a->p.z, a->g.z, near));
@@ -145,6 +186,7 @@ CPM_INLINE real3 cpm_beyond_kink_of(const cpm_medium_data *m, double rtol, const
         real hairs = few * cpm_forward(dot3(a->p, s.out)) * cpm_hair_of_layers(m, thin, a->r);
         return add3(a->r, hairs / (s.rho + R(1e-30)), s.out);
     }
+    if (CPM_IS_KIND(m, CPM_MEDIUM_LUNEBURG) || CPM_IS_KIND(m, CPM_MEDIUM_EATON)) return cpm_beyond_sphere(m, thin, a);
     real3 r = a->r;
     r.x += few * cpm_forward(a->p.x) * cpm_hair_of_axis(m, thin, 0, r.x);
     r.y += few * cpm_forward(a->p.y) * cpm_hair_of_axis(m, thin, 1, r.y);
@@ -153,7 +195,7 @@ CPM_INLINE real3 cpm_beyond_kink_of(const cpm_medium_data *m, double rtol, const
 }
 
 /* Of any medium: a sum has the kinks of its terms. */
-CPM_OUTLINE real cpm_next_kink_of_sum(const cpm_medium_data *m, CPM_GLOBAL const double *table, double rtol,
+CPM_APART real cpm_next_kink_of_sum(const cpm_medium_data *m, CPM_GLOBAL const double *table, double rtol,
                                       const cpm_point *a, mask *near) {
     real next = splat(CPM_NO_KINK);
     mask any = splat_mask(0);
@@ -166,7 +208,7 @@ CPM_OUTLINE real cpm_next_kink_of_sum(const cpm_medium_data *m, CPM_GLOBAL const
     *near = any;
     return next;
 }
-CPM_OUTLINE real3 cpm_beyond_kink_of_sum(const cpm_medium_data *m, CPM_GLOBAL const double *table, double rtol,
+CPM_APART real3 cpm_beyond_kink_of_sum(const cpm_medium_data *m, CPM_GLOBAL const double *table, double rtol,
                                          const cpm_point *a) {
     cpm_point beyond = *a;
     for (int i = 0; i < m->size[0]; i++) {

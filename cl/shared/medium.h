@@ -9,4 +9,15 @@ CPM_ALWAYS_INLINE real3 cpm_field(const cpm_medium_data *m, CPM_GLOBAL const dou
     if (CPM_IS_KIND(m, CPM_MEDIUM_SUM)) return cpm_field_sum(m, table, r, scale, n);
     return cpm_field_one(m, table, r, scale, n);
 }
+
+/* n grows without bound at some place: rays may end there, captured. */
+CPM_INLINE int cpm_is_singular(const cpm_medium_data *m) {
+    return CPM_IS_KIND(m, CPM_MEDIUM_EATON) || CPM_IS_KIND(m, CPM_MEDIUM_SOURCES);
+}
+/* How far it is to the nearest such place, metres: a longer step could leap over it. */
+CPM_INLINE real cpm_singular_distance(const cpm_medium_data *m, CPM_GLOBAL const double *table, real3 r) {
+    if (CPM_IS_KIND(m, CPM_MEDIUM_SOURCES)) return cpm_nearest_source(m, table, r);
+    real3 u = cpm_from_center(m, r);
+    return R(m->high) * root(dot3(u, u));
+}
 #endif

@@ -28,7 +28,7 @@ CPM_INLINE real cpm_sign(real a) {
 }
 
 /* Into out: n, then g. Lanes go in and out one by one, for a struct would be copied in halves of what is then read. */
-CPM_OUTLINE void cpm_run_expression(const cpm_medium_data *m, CPM_GLOBAL const double *table, real x, real y, real z,
+CPM_APART void cpm_run_expression(const cpm_medium_data *m, CPM_GLOBAL const double *table, real x, real y, real z,
                                     real scale, real *out) {
     const real zero = splat(0.0), one = splat(1.0);
     real registers[CPM_REGISTERS];

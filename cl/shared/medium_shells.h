@@ -31,7 +31,7 @@ CPM_INLINE cpm_shell_place cpm_shell_at(const cpm_medium_data *m, real3 r) {
     return s;
 }
 
-CPM_OUTLINE real3 cpm_field_shells(const cpm_medium_data *m, CPM_GLOBAL const double *table, real3 r, real scale,
+CPM_APART real3 cpm_field_shells(const cpm_medium_data *m, CPM_GLOBAL const double *table, real3 r, real scale,
                                    real *n) {
     cpm_shell_place s = cpm_shell_at(m, r);
     real c[4];

@@ -28,7 +28,7 @@ CPM_INLINE real cpm_term_scale(const cpm_term *t, CPM_GLOBAL const double *table
     return load_lanes(factor, 0);
 }
 
-CPM_OUTLINE real3 cpm_field_sum(const cpm_medium_data *m, CPM_GLOBAL const double *table, real3 r, real scale, real *n) {
+CPM_APART real3 cpm_field_sum(const cpm_medium_data *m, CPM_GLOBAL const double *table, real3 r, real scale, real *n) {
     const real zero = splat(0.0);
     real3 slope = triple(zero, zero, zero);
     real refractivity = zero;

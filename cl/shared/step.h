@@ -6,10 +6,12 @@
  * factor that grows as rtol^(-1/8) (measured on smooth fields, 1e-3 to 1e-12); L = 0.56 rtol^(-1/8) takes that back.
  * euler: 1.
  *
- * Where the field has kinks or thin layers both estimates are blind, but | |p| - n |/n, whose growth in a step is a
- * true error of momentum along p, is not. An error in the direction of the force, at an angle a to p, shows in it times
- * cos a: a step is refused when it grows by more than 0.5 rtol cos a (cos a >= 0.03), far below the 10 rtol that would
- * only tell that a layer was stepped over. And when n^2 <= 0 was met at any stage the step is cut to a quarter.
+ * Where the field has kinks or thin layers both estimates are blind, but (|p|^2 - n^2)/(2 n^2), whose change in a step
+ * is a true error of momentum along p, is not. (Not the growth of | |p| - n |/n: where n falls, that grows by itself.)
+ * An error in the direction of the force, at an angle a to p, shows in it times cos a: a step is refused when it
+ * changes by more than 0.5 rtol cos a (cos a >= 0.03), far below the 10 rtol that would only tell that a layer was
+ * stepped over. Near a place where n has no bound |p|^2 - n^2 itself is held to that: it outlasts the way out to n = 1,
+ * where it weighs n^2 times as much. And when n^2 <= 0 was met at any stage the step is cut to a quarter.
  *
  * The next step follows the worst of the three ratios E by a PI controller (Gustafsson 1991); E grows as h^4 (dopri5):
  * h E^(-3/16) E_before^(1/16); as h (euler): h E^(-3/4) E_before^(1/4). Rough logarithms serve.
@@ -21,33 +23,59 @@
  *
  * A ray ends by status: evaluations exhausted, no step small enough (64 refusals running, or a step that moves
  * nothing), cut-off: n below 1e-6 of its start, or a turn back through p = 0 (normal incidence on n = 0), left: 1e100 m
- * gone. */
+ * gone, captured: n above 1e6 of its start near a place where it has no bound (or above twice, where no step is small
+ * enough any more, or coordinates are too coarse). An adaptive step is never longer than the way to such a place: it cannot leap over one. */
 #ifndef CPM_SHARED_STEP_H
 #define CPM_SHARED_STEP_H
 #include "../types/lanes.h"
 #include "../types/ray.h"
 #include "kinks.h"
+#include "step_adams.h"
 #include "step_dopri5.h"
 #include "step_euler.h"
+#include "step_nystrom.h"
 #include "step_rk4.h"
+#include "step_symplectic.h"
 
 #define CPM_FAR (CPM_SINGLE ? 1e15 : 1e100) /* metres */
 #define CPM_CUTOFF 1e-6                     /* of n at the start */
+#define CPM_CAPTURE 1e6                     /* of n at the start */
+#define CPM_NOISE 1e-3      /* of |p|^2 - n^2 beside 1, by rounding of coordinates: beyond it nothing is left of a ray */
+#define CPM_CENTER_N (CPM_SINGLE ? 1e7 : 1e14) /* a ray that starts where n is above that has not far to go */
 #define CPM_MAX_REFUSED 64
 #define CPM_LEAST_RTOL (CPM_SINGLE ? 1e-6 : 1e-15) /* below it rounding alone would refuse steps of any size */
+/* Which methods are compiled in: bit 1 << CPM_STEP_... (all by default). */
+#ifndef CPM_METHODS
+#define CPM_METHODS 511
+#endif
+#define CPM_IS_METHOD(c, k) (((CPM_METHODS >> (k)) & 1) && (CPM_METHODS == 1 << (k) || (c)->method == (k)))
 #define CPM_PARTS (CPM_LANES / CPM_WIDTH)
+/* nystrom: measured on smooth fields (fibre, fish-eye, Luneburg, linear n, atmosphere), rtol 1e-2 to 1e-12. */
+#define CPM_RKN8_FROM 3e-4   /* rtol from which 8(6) is the cheaper */
+#define CPM_RKN6_LENIENT 1.0 /* rtol^(-1/4): what the estimate of fourth or sixth order is too large by */
+#define CPM_RKN8_LENIENT 1.0
+#define CPM_RKN6_FIRST 4.0 /* rtol^(1/8) of the curvature's radius: the first step */
+#define CPM_RKN8_FIRST 5.0
+#define CPM_RKN_GROW 2.0 /* growth of the drift that a step may have, in rtol cos a */
 #define CPM_INFINITE (CPM_SINGLE ? 1e38 : 1e300) /* stands for infinity in h, limit, target: no NaN from arithmetic */
-
-CPM_INLINE double cpm_step_cost(const cpm_step_control *c) { /* evaluations an attempt */
-    return c->method == CPM_STEP_EULER ? 2.0 : c->method == CPM_STEP_RK4 ? 4.0 : 6.0;
-}
 
 /* What follows from rtol and the method. */
 CPM_INLINE void cpm_step_control_set(cpm_step_control *c) {
-    double quarter = cpm_sqrt(cpm_sqrt(c->rtol));
-    c->lenient = c->method == CPM_STEP_EULER ? 1.0 : 0.56 / cpm_sqrt(quarter);
+    const double quarter = cpm_sqrt(cpm_sqrt(c->rtol)), eighth = cpm_sqrt(quarter);
+    c->order = c->method == CPM_STEP_NYSTROM ? (c->rtol > CPM_RKN8_FROM ? 6 : 8) : 0;
+    c->cost = 6.0, c->exponent = 0.25, c->lenient = 0.56 / eighth, c->first = 8.0 * quarter; /* dopri5 */
+    if (c->method == CPM_STEP_EULER) c->cost = 2.0, c->exponent = 1.0, c->lenient = 1.0, c->first = 3.0 * c->rtol;
+    if (c->method == CPM_STEP_RK4) c->cost = 4.0;
+    if (c->method == CPM_STEP_LEAPFROG) c->cost = 1.0;
+    if (c->method == CPM_STEP_YOSHIDA6) c->cost = 7.0;
+    if (c->method == CPM_STEP_ADAMS) c->cost = 2.0, c->first = 3.0 * cpm_sqrt(c->rtol);
+    if (c->order == 6) c->cost = 5.0, c->lenient = CPM_RKN6_LENIENT / quarter, c->first = CPM_RKN6_FIRST * eighth;
+    if (c->order == 8)
+        c->cost = 8.0, c->exponent = 1.0 / 6.0, c->lenient = CPM_RKN8_LENIENT / quarter,
+        c->first = CPM_RKN8_FIRST * eighth;
+    c->grow = c->method == CPM_STEP_NYSTROM ? CPM_RKN_GROW : 0.5;
     if (c->lenient < 1.0) c->lenient = 1.0;
-    c->first = c->method == CPM_STEP_EULER ? 3.0 * c->rtol : 8.0 * quarter;
+    if (c->method == CPM_STEP_ADAMS) c->lenient = 0.3; /* its estimate is the error, and adds up over many steps */
 }
 
 /* Sigma of the first step, from the curvature's radius n^2/|g| and the length over which the field changes. */
@@ -55,7 +83,7 @@ CPM_INLINE real cpm_first_step(const cpm_step_control *c, const cpm_medium_data 
     if (c->step > 0.0) return R(c->step) / a->n;
     real bend = root(dot3(a->g, a->g)) / (a->n * a->n);
     real metres;
-    if (c->method == CPM_STEP_EULER)
+    if (c->method == CPM_STEP_EULER || c->method == CPM_STEP_NYSTROM)
         metres = splat(c->first) / (bend + R(1e-30));
     else
         metres = splat(c->first) / (bend + R(1.0 / m->feature) + R(1e-30));
@@ -107,11 +135,17 @@ CPM_INLINE void cpm_lanes_begin(const cpm_step_control *c, const cpm_medium_data
         CPM_FRESH(error_turn, zero);
         CPM_FRESH(previous, zero);
         CPM_FRESH(refused, zero);
+        CPM_FRESH(dense, zero);
+        CPM_FRESH(kept, zero);
+        CPM_FRESH(order, zero);
+        for (int k = 0; k < 6; k++) CPM_FRESH(low[k], zero);
 #undef CPM_FRESH
         mask near = splat_mask(0);
         if (kinks) (void)cpm_next_kink(m, table, c->rtol, &a, &near);
         store_flags(pick_mask(new_ray, near, load_flags(rays->at_kink, part)), rays->at_kink, part);
         mask status = pick_mask(good, splat_mask(CPM_ENDED_GOING), splat_mask(CPM_ENDED_CUTOFF));
+        if (cpm_is_singular(m))
+            status = pick_mask(good & less(splat(CPM_CENTER_N), a.n), splat_mask(CPM_ENDED_CAPTURED), status);
         store_flags(pick_mask(new_ray, status, load_flags(rays->status, part)), rays->status, part);
         store_flags(load_flags(rays->accepted, part) & ~new_ray, rays->accepted, part);
     }
@@ -137,19 +171,18 @@ CPM_INLINE real cpm_least_momentum(real3 p, real3 q, real *where) {
 
 /* The factor to the next step from log2 of the ratio E of error to tolerance, now and at the step before. */
 CPM_INLINE real cpm_step_factor(const cpm_step_control *c, real ratio, real before, mask accepted, mask again) {
-    const int euler = c->method == CPM_STEP_EULER;
-    real keep = R(euler ? -0.75 : -0.1875) * ratio + R(euler ? 0.25 : 0.0625) * before - R(0.152); /* 0.9 = 2^-0.152 */
-    real shrink = R(euler ? -1.0 : -0.25) * ratio - R(0.152);
+    real keep = R(-0.75 * c->exponent) * ratio + R(0.25 * c->exponent) * before - R(0.152); /* 0.9 = 2^-0.152 */
+    real shrink = R(-c->exponent) * ratio - R(0.152);
     keep = larger(smaller(keep, pick(again, splat(0.0), splat(2.32))), splat(-2.32)); /* 1/5 to 5 */
     shrink = larger(smaller(shrink, splat(-0.152)), splat(-3.32));
     return exp2_rough(pick(accepted, keep, shrink));
 }
 
-/* What an attempt starts with: the current point, how far it may go, and whether it ends at a kink. */
+/* What an attempt starts with: the current point, how far it may go, and whether it ends or starts at a kink. */
 typedef struct {
     cpm_point at;
     real own, h, evaluations; /* the controller's sigma, the one that is tried; evaluations so far */
-    mask going, to_kink;
+    mask going, to_kink, at_kink;
 } cpm_attempt;
 
 CPM_INLINE cpm_attempt cpm_prepare(const cpm_step_control *c, const cpm_medium_data *m, CPM_GLOBAL const double *table,
@@ -158,12 +191,15 @@ CPM_INLINE cpm_attempt cpm_prepare(const cpm_step_control *c, const cpm_medium_d
     a.at.r = load3_doubles(rays->r, part), a.at.p = load3_doubles(rays->p, part), a.at.g = load3_doubles(rays->g, part);
     a.at.n = load_doubles(rays->n, part), a.at.scale = load_doubles(rays->scale, part);
     a.own = load_doubles(rays->h, part), a.evaluations = evaluations;
-    a.going = going, a.to_kink = splat_mask(0);
+    a.going = going, a.to_kink = a.at_kink = splat_mask(0);
     const real inverse_n = R(1.0) / a.at.n, length = load_doubles(rays->length, part);
     real bound = cpm_aim(&a.at, inverse_n, load_doubles(rays->target, part) - length);
     bound = smaller(smaller(load_doubles(rays->limit, part), R(c->max_step) * inverse_n), bound);
+    if (cpm_is_singular(m) && !(c->step > 0.0))
+        bound = smaller(cpm_singular_distance(m, table, a.at.r) * inverse_n, bound);
     if (kinks) {
         mask at_kink = load_flags(rays->at_kink, part) & going, near;
+        a.at_kink = at_kink;
         if (any_lane(at_kink)) {
             real ignored;
             real3 beyond = cpm_beyond_kink(m, table, c->rtol, &a.at);
@@ -186,11 +222,12 @@ typedef struct {
     real far;           /* |x| + |y| + |z|, metres */
     real where;         /* of the turn, 0..1 of the step */
     mask turned;        /* p goes through 0 */
+    mask blurred;       /* rounding of coordinates makes |p|^2 - n^2 worth little */
     mask usable, worth; /* finite, n > 0; within the tolerance */
 } cpm_verdict;
 
-CPM_INLINE cpm_verdict cpm_judge(const cpm_step_control *c, const cpm_lane_rays *rays, int part, const cpm_attempt *a,
-                                 const cpm_trial *t) {
+CPM_INLINE cpm_verdict cpm_judge(const cpm_step_control *c, const cpm_medium_data *m, const cpm_lane_rays *rays,
+                                 int part, const cpm_attempt *a, const cpm_trial *t) {
     const real zero = splat(0.0), one = splat(1.0), n_start = load_doubles(rays->n_start, part);
     const real3 p = t->end.p, push = sub3(p, a->at.p);
     const real per_square = one / (t->end.n * t->end.n), size = dot3(p, p);
@@ -206,17 +243,21 @@ CPM_INLINE cpm_verdict cpm_judge(const cpm_step_control *c, const cpm_lane_rays 
     v.turn = root(t->error_momentum2) * (t->end.n * per_square);
     real excess = (size - t->end.n * t->end.n) * per_square;                /* |p|^2/n^2 - 1 */
     v.drift = magnitude(excess) / (R(2.0) + R(0.5) * larger(excess, -one)); /* sqrt(1 + x) - 1 to x^3/32 */
-    v.growth = pick(v.turned, zero, v.drift - load_doubles(rays->drift_now, part));
+    const real weight = cpm_is_singular(m) ? larger(per_square, one) : per_square;
+    const real carried = dot3(a->at.p, a->at.p) - a->at.n * a->at.n; /* was there before: no new error */
+    v.growth = pick(v.turned, zero, R(0.5) * magnitude((size - t->end.n * t->end.n) - carried) * weight);
     v.far = magnitude(t->end.r.x) + magnitude(t->end.r.y) + magnitude(t->end.r.z);
 
     /* What the tolerance and rounding allow. */
     real steep = magnitude(t->end.g.x) + magnitude(t->end.g.y) + magnitude(t->end.g.z);
-    real noise = R(10.0 * CPM_ROUNDING) * (one + (larger(n_start * n_start, one) + v.far * steep) * per_square);
+    real noise = R(10.0 * CPM_ROUNDING) * (one + (larger(n_start * n_start, one) + v.far * steep) * weight);
+    v.blurred = less(splat(CPM_NOISE), noise);
+    noise += cpm_kink_noise(m, c->rtol, t->end.r);
     real along = dot3(push, p); /* no push at all: a = 90 degrees, the strictest */
     real slant = log2_rough(along * along) - log2_rough(dot3(push, push) * size + R(1e-30));
     slant = exp2_rough(smaller(larger(R(0.5) * slant, splat(-5.0)), zero)); /* cos a, 0.03 to 1 */
     const double rtol = fmax(c->rtol, CPM_LEAST_RTOL);
-    real may_off = R(c->lenient * rtol) * t->way, may_grow = R(0.5 * rtol) * slant + noise;
+    real may_off = R(c->lenient * rtol) * t->way, may_grow = R(c->grow * rtol) * slant + noise;
     if (c->atol > 0.0) {
         real expected = load_doubles(rays->expected, part);
         real share = pick(less(zero, expected), smaller(t->way / larger(expected, splat(1e-30)), one), splat(0.1));
@@ -224,6 +265,7 @@ CPM_INLINE cpm_verdict cpm_judge(const cpm_step_control *c, const cpm_lane_rays 
     }
     real ratio = larger(v.off * may_grow, v.growth * may_off) / (may_off * may_grow);
     ratio = larger(ratio, v.turn * R(1.0 / (c->lenient * rtol)));
+    if (c->dense) ratio = larger(ratio, R(1.0 / 64) * t->dense * R(c->lenient) / may_off);
     v.usable = t->good & (less(zero, t->way) | v.turned) & less(v.far, splat(CPM_FAR)) & at_most(ratio, splat(1e12));
     v.worth = c->step > 0.0 ? ~splat_mask(0) : at_most(ratio, one);
     v.ratio = log2_rough(larger(pick(v.usable, ratio, splat(1e12)), splat(1e-8)));
@@ -235,7 +277,9 @@ CPM_INLINE void cpm_plan(const cpm_step_control *c, cpm_lane_rays *rays, int par
                          const cpm_verdict *v, mask accepted) {
     const real before = load_doubles(rays->previous, part);
     mask again = less(splat(0.0), load_doubles(rays->refused, part));
-    real next = a->h * cpm_step_factor(c, v->ratio, before, accepted, again);
+    real next = a->h * (CPM_IS_METHOD(c, CPM_STEP_ADAMS)
+                            ? cpm_adams_plan(rays, part, v->ratio, accepted, load_doubles(rays->refused, part))
+                            : cpm_step_factor(c, v->ratio, before, accepted, again));
     next = pick(accepted & less(a->h, a->own), larger(next, a->own), next);
     next = pick(v->usable, next, R(0.25) * a->h);
     if (c->step > 0.0) next = pick(v->usable, R(c->step) / load_doubles(rays->n_start, part), next);
@@ -283,8 +327,8 @@ CPM_INLINE void cpm_keep_broad(cpm_lane_rays *rays, int part, const cpm_trial *t
 #endif
 
 /* Moves the accepted lanes on, and leaves their piece behind. */
-CPM_INLINE void cpm_keep(cpm_lane_rays *rays, int part, const cpm_attempt *a, const cpm_trial *t, const cpm_verdict *v,
-                         mask accepted, real piece_h) {
+CPM_INLINE void cpm_keep(cpm_lane_rays *rays, int part, int method, const cpm_attempt *a, const cpm_trial *t,
+                         const cpm_verdict *v, mask accepted, real piece_h) {
     const real error_turn = load_doubles(rays->error_turn, part);
 #if CPM_SINGLE
     cpm_keep_broad(rays, part, t, accepted, piece_h);
@@ -312,9 +356,27 @@ CPM_INLINE void cpm_keep(cpm_lane_rays *rays, int part, const cpm_attempt *a, co
     CPM_KEEP(drift, larger(load_doubles(rays->drift, part), v->drift));
     CPM_KEEP(error, load_doubles(rays->error, part) + v->off + error_turn * t->way);
     CPM_KEEP(error_turn, error_turn + v->turn);
+    if (method >= CPM_STEP_NYSTROM) CPM_KEEP(dense, t->dense);
+    if (method >= CPM_STEP_LEAPFROG)
+        for (int k = 0; k < 6; k++) CPM_KEEP(low[k], load_doubles(rays->low_next[k], part));
+    if (((CPM_METHODS >> CPM_STEP_ADAMS) & 1) && method == CPM_STEP_ADAMS) cpm_adams_keep(rays, part, &a->at, a->h, accepted);
 #undef CPM_KEEP
     store_flags(a->to_kink & accepted, rays->at_kink, part);
     store_flags(accepted, rays->accepted, part);
+}
+
+/* The methods beside which the others' code is not to grow. */
+CPM_APART cpm_trial cpm_step_apart(const cpm_step_control *c, const cpm_medium_data *m, CPM_GLOBAL const double *table,
+                                   cpm_lane_rays *rays, int part, const cpm_attempt *a) {
+    if (CPM_IS_METHOD(c, CPM_STEP_ADAMS)) return cpm_step_adams(m, table, rays, part, &a->at, a->h, a->at_kink);
+    if (CPM_IS_METHOD(c, CPM_STEP_LEAPFROG)) return cpm_step_symplectic(m, table, rays, part, &a->at, a->h, 0);
+    if (CPM_IS_METHOD(c, CPM_STEP_YOSHIDA6)) return cpm_step_symplectic(m, table, rays, part, &a->at, a->h, 1);
+#if (CPM_METHODS >> CPM_STEP_NYSTROM) & 1
+    if (c->order == 6) return cpm_rkn6_step(m, table, &a->at, a->h);
+    return cpm_rkn8_step(m, table, &a->at, a->h);
+#else
+    return cpm_step_symplectic(m, table, rays, part, &a->at, a->h, 0); /* not reached */
+#endif
 }
 
 CPM_INLINE void cpm_lanes_attempt_part(const cpm_step_control *c, const cpm_medium_data *m,
@@ -325,19 +387,25 @@ CPM_INLINE void cpm_lanes_attempt_part(const cpm_step_control *c, const cpm_medi
     store_flags(splat_mask(0), rays->accepted, part);
     if (!any_lane(going)) return;
     real evaluations = load_doubles(rays->evaluations, part);
-    mask spent = going & less(splat(c->max_evaluations - cpm_step_cost(c) - kinks), evaluations);
+    mask spent = going & less(splat(c->max_evaluations - c->cost - kinks), evaluations);
     status = pick_mask(spent, splat_mask(CPM_ENDED_EXHAUSTED), status);
     going &= ~spent;
 
     const cpm_attempt a = cpm_prepare(c, m, table, rays, part, going, evaluations, kinks);
     cpm_trial t;
-    if (c->method == CPM_STEP_EULER)
+    if (CPM_IS_METHOD(c, CPM_STEP_EULER))
         t = cpm_step_euler(m, table, &a.at, a.h);
-    else if (c->method == CPM_STEP_RK4)
+    else if (CPM_IS_METHOD(c, CPM_STEP_RK4))
         t = cpm_step_rk4(m, table, &a.at, a.h);
-    else
+    else if (CPM_IS_METHOD(c, CPM_STEP_DOPRI5))
         t = cpm_step_dopri5(m, table, &a.at, a.h);
-    cpm_verdict v = cpm_judge(c, rays, part, &a, &t);
+    else
+        t = cpm_step_apart(c, m, table, rays, part, &a);
+    if (CPM_SINGLE && c->method != CPM_STEP_EULER && c->method != CPM_STEP_RK4 && c->method != CPM_STEP_DOPRI5) {
+        t.bend = sub3(sub3(t.end.r, a.at.r), scale3(a.h, a.at.p)); /* these say where they end, not how they get there */
+        t.push = sub3(t.end.p, a.at.p);
+    }
+    cpm_verdict v = cpm_judge(c, m, rays, part, &a, &t);
     mask accepted = going & v.usable & v.worth, refused = going & ~accepted;
     cpm_plan(c, rays, part, &a, &v, accepted);
 
@@ -348,13 +416,13 @@ CPM_INLINE void cpm_lanes_attempt_part(const cpm_step_control *c, const cpm_medi
         cpm_end_at_turn(&a, backward, piece_h, v.where, &t);
         v.drift = pick(backward, zero, v.drift);
     }
-    if (c->method == CPM_STEP_RK4) v.turn = magnitude(v.growth); /* no estimate of its own */
-    cpm_keep(rays, part, &a, &t, &v, accepted, piece_h);
+    if (c->method == CPM_STEP_RK4 || c->method >= CPM_STEP_LEAPFROG) v.turn = magnitude(v.growth); /* no estimate of its own */
+    cpm_keep(rays, part, c->method, &a, &t, &v, accepted, piece_h);
     real running = pick(accepted, zero, load_doubles(rays->refused, part) + one);
     real rejected = load_doubles(rays->rejected, part);
     store_doubles(running, rays->refused, part);
     store_doubles(pick(refused, rejected + one, rejected), rays->rejected, part);
-    store_doubles(pick(going, a.evaluations + R(cpm_step_cost(c)), a.evaluations), rays->evaluations, part);
+    store_doubles(pick(going, a.evaluations + R(c->cost), a.evaluations), rays->evaluations, part);
 
     /* Does it end? */
     real3 moved = sub3(t.end.r, a.at.r);
@@ -362,9 +430,16 @@ CPM_INLINE void cpm_lanes_attempt_part(const cpm_step_control *c, const cpm_medi
     if (CPM_SINGLE) still = accepted & ~less(zero, t.way); /* the double sum may move where a float does not */
     mask stuck = (refused & less(splat(CPM_MAX_REFUSED), running)) | still;
     mask why = pick_mask(t.good, splat_mask(CPM_ENDED_UNDERFLOW), splat_mask(CPM_ENDED_CUTOFF));
+    mask caught = splat_mask(0);
+    if (cpm_is_singular(m)) {
+        real n_start = load_doubles(rays->n_start, part);
+        caught = accepted & (less(R(CPM_CAPTURE) * n_start, t.end.n) | (v.blurred & less(n_start, t.end.n)));
+        why = pick_mask(t.good & less(R(2.0) * n_start, a.at.n), splat_mask(CPM_ENDED_CAPTURED), why);
+    }
     status = pick_mask(stuck, why, status);
     status = pick_mask(accepted & less(splat(0.1 * CPM_FAR), v.far), splat_mask(CPM_ENDED_LEFT), status);
     status = pick_mask(cut, splat_mask(CPM_ENDED_CUTOFF), status);
+    status = pick_mask(caught, splat_mask(CPM_ENDED_CAPTURED), status);
     store_flags(status, rays->status, part);
 }
 

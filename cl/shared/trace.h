@@ -48,11 +48,85 @@ CPM_INLINE void cpm_sample_piece(cpm_samples *s, const cpm_piece *piece, double 
     }
 }
 
-/* Where the ray of lane i ends if it ends in its piece: theta, else CPM_NO_ROOT. */
-CPM_INLINE double cpm_landing(const cpm_piece *piece, const cpm_ray_goal *plane, double length) {
-    if (length < 0.0) return cpm_piece_plane(piece, plane->point, plane->normal, 1.0);
+/* Where the ray of lane i ends if it ends in its piece: theta, else CPM_NO_ROOT. `aimed`: steps end near the plane. */
+CPM_INLINE double cpm_landing(const cpm_piece *piece, const cpm_ray_goal *plane, double length, int aimed) {
+    if (length < 0.0)
+        return cpm_piece_plane(piece, plane->point, plane->normal, aimed ? 1.0 + CPM_LANDING : 1.0);
     double margin = CPM_LANDING * (piece->length1 - piece->length0);
     return piece->length1 + margin >= length ? cpm_piece_theta(piece, length) : CPM_NO_ROOT;
+}
+
+/* Sigma to the plane along the parabola of the current point; infinite: it is not met. */
+CPM_INLINE double cpm_aim_at_plane(const cpm_lane_rays *rays, int i, const cpm_ray_goal *plane) {
+    double f = 0.0, speed = 0.0, bend = 0.0;
+    for (int k = 0; k < 3; k++) {
+        f += (rays->r[k][i] - plane->point[k]) * plane->normal[k];
+        speed += rays->p[k][i] * plane->normal[k], bend += rays->g[k][i] * plane->normal[k];
+    }
+    if (f > 0.0) f = -f, speed = -speed, bend = -bend; /* now f <= 0, and speed > 0 goes there */
+    double square = speed * speed - 2.0 * bend * f;
+    if (!(square >= 0.0)) return CPM_INFINITE;
+    double sigma = speed > 0.0 ? -2.0 * f / (speed + cpm_sqrt(square))
+                   : bend > 0.0 ? (cpm_sqrt(square) - speed) / bend : CPM_INFINITE;
+    return sigma > 0.0 ? sigma : CPM_INFINITE;
+}
+
+/* The error of the quintic at theta, as far as it is known, over a tenth of what the tolerance allows (of rounding where
+ * steps are fixed, so that each method shows its order). */
+CPM_INLINE double cpm_dense_excess(const cpm_step_control *c, const cpm_lane_rays *rays, int i, double theta) {
+    double u = theta * (1.0 - theta), length = rays->length0[i] + theta * (rays->length[i] - rays->length0[i]);
+    double may = c->step > 0.0 ? 10.0 * CPM_ROUNDING * length : 0.1 * (c->rtol * length + c->atol);
+    return rays->dense[i] * fabs(u * u * u) / may;
+}
+
+/* Takes the last step of lane i back, to be tried again with the sigma that ends at theta of it. */
+CPM_INLINE void cpm_step_back(cpm_lane_rays *rays, int i, double theta) {
+    for (int k = 0; k < 3; k++)
+        rays->r[k][i] = rays->r0[k][i], rays->p[k][i] = rays->p0[k][i], rays->g[k][i] = rays->g0[k][i];
+    rays->n[i] = rays->n0[i], rays->length[i] = rays->length0[i], rays->optical_path[i] = rays->optical_path0[i];
+    rays->steps[i] -= 1.0, rays->rejected[i] += 1.0;
+    rays->limit[i] = theta * rays->piece_h[i];
+    rays->accepted[i] = 0;
+    rays->kept[i] = 0.0; /* the past has moved on: begin anew */
+}
+
+/* From the piece's end to the goal, a little before or beyond it, by the fourth-order Nystrom method where the quintic
+ * is not good enough: stages in the middle and at the end, 2 evaluations; then a Newton step onto the goal. */
+CPM_APART void cpm_polish(const cpm_medium_data *m, CPM_GLOBAL const double *table, const cpm_lane_rays *rays, int i,
+                          const cpm_ray_goal *plane, double length, double sigma, cpm_ray_end *end) {
+    double r[3], p[3], g[3][3], n[3], scale = rays->scale[i], f = 0.0, speed = 0.0;
+    n[0] = rays->n[i];
+    for (int stage = 1; stage < 3; stage++) {
+        double part = stage == 1 ? 0.5 * sigma : sigma, bend = 0.5 * part * part;
+        for (int k = 0; k < 3; k++) {
+            g[0][k] = rays->g[k][i];
+            r[k] = rays->r[k][i] + part * rays->p[k][i] + bend * g[stage - 1][k];
+        }
+        real n_lanes;
+        real3 at = triple(splat(r[0]), splat(r[1]), splat(r[2])), out;
+        out = cpm_field(m, table, at, splat(scale), &n_lanes);
+        double column[4][CPM_LANES];
+        store_doubles(out.x, column[0], 0), store_doubles(out.y, column[1], 0), store_doubles(out.z, column[2], 0);
+        store_doubles(n_lanes, column[3], 0);
+        for (int k = 0; k < 3; k++) g[stage][k] = column[k][0];
+        n[stage] = column[3][0];
+    }
+    double way = sigma * (n[0] + 4.0 * n[1] + n[2]) / 6.0;
+    double path = sigma * (n[0] * n[0] + 4.0 * n[1] * n[1] + n[2] * n[2]) / 6.0;
+    for (int k = 0; k < 3; k++) {
+        r[k] = rays->r[k][i] + sigma * (rays->p[k][i] + sigma * (g[0][k] + 2.0 * g[1][k]) / 6.0);
+        p[k] = rays->p[k][i] + sigma * (g[0][k] + 4.0 * g[1][k] + g[2][k]) / 6.0;
+        f += (r[k] - plane->point[k]) * plane->normal[k], speed += p[k] * plane->normal[k];
+    }
+    double rest = length >= 0.0 ? (length - rays->length[i] - way) / n[2] : -f / speed;
+    if (!(fabs(rest) <= fabs(sigma))) rest = 0.0; /* also NaN */
+    for (int k = 0; k < 3; k++) {
+        end->r[k] = r[k] + rest * (p[k] + 0.5 * rest * g[2][k]);
+        end->p[k] = p[k] + rest * g[2][k];
+    }
+    end->length = length >= 0.0 ? length : rays->length[i] + way + rest * n[2];
+    end->optical_path = rays->optical_path[i] + path + rest * n[2] * n[2];
+    end->evaluations += 2.0;
 }
 
 CPM_INLINE void cpm_end_of_lane(const cpm_lane_rays *rays, int i, const cpm_piece *piece, double theta, double length,
@@ -141,6 +215,8 @@ CPM_INLINE void cpm_trace_range(const cpm_step_control *c, const cpm_medium_data
     cpm_i64 owner[CPM_LANES], fresh[CPM_LANES];
     double length[CPM_LANES], longest[CPM_LANES];
     cpm_samples samples[CPM_LANES];
+    /* Methods whose steps are long: they aim at planes, and know how good the curve between their ends is. */
+    const int aware = c->method == CPM_STEP_NYSTROM || c->method == CPM_STEP_ADAMS;
     int idle = CPM_LANES;
     CPM_CLEAR(rays);
     for (int i = 0; i < CPM_LANES; i++) owner[i] = -1, rays.status[i] = CPM_ENDED_ARRIVED;
@@ -163,8 +239,10 @@ CPM_INLINE void cpm_trace_range(const cpm_step_control *c, const cpm_medium_data
             cpm_lanes_begin(c, m, table, &rays, fresh);
             for (int i = 0; i < CPM_LANES; i++) {
                 if (!fresh[i]) continue;
+                const int aimed = aware && length[i] < 0.0;
                 if (length[i] >= 0.0) rays.target[i] = length[i];
                 if (longest[i] > 0.0) rays.limit[i] = longest[i] / rays.n_start[i];
+                if (aimed) rays.limit[i] = fmin(rays.limit[i], cpm_aim_at_plane(&rays, i, plane));
                 if (length[i] == 0.0 && rays.status[i] < 0) rays.status[i] = CPM_ENDED_ARRIVED;
             }
         } else if (idle == CPM_LANES)
@@ -174,9 +252,19 @@ CPM_INLINE void cpm_trace_range(const cpm_step_control *c, const cpm_medium_data
         for (int i = 0; i < CPM_LANES; i++) {
             if (owner[i] < 0 || !(rays.accepted[i] || rays.status[i] >= 0)) continue;
             cpm_piece piece;
+            const int aimed = aware && length[i] < 0.0;
             double theta = CPM_NO_ROOT;
             cpm_lanes_piece(&rays, i, &piece);
-            if (rays.accepted[i]) theta = cpm_landing(&piece, plane, length[i]);
+            if (rays.accepted[i]) theta = cpm_landing(&piece, plane, length[i], aimed);
+            const int poor = aware && theta != CPM_NO_ROOT && cpm_dense_excess(c, &rays, i, theta) > 1.0;
+            if (poor && theta < 1.0 - CPM_LANDING && theta > 1e-3 && rays.status[i] < 0) {
+                cpm_step_back(&rays, i, theta);
+                continue;
+            }
+            if (aware && rays.accepted[i]) {
+                rays.limit[i] = longest[i] > 0.0 ? longest[i] / rays.n_start[i] : CPM_INFINITE;
+                if (aimed) rays.limit[i] = fmin(rays.limit[i], cpm_aim_at_plane(&rays, i, plane));
+            }
             int over = theta != CPM_NO_ROOT || rays.status[i] >= 0;
             if (rays.accepted[i] && arrays->samples)
                 cpm_sample_piece(&samples[i], &piece,
@@ -184,6 +272,10 @@ CPM_INLINE void cpm_trace_range(const cpm_step_control *c, const cpm_medium_data
             if (!over) continue;
             cpm_ray_end end;
             cpm_end_of_lane(&rays, i, &piece, theta, length[i], shift, &end);
+            if (poor) {
+                cpm_polish(m, table, &rays, i, plane, length[i], (theta - 1.0) * piece.h, &end);
+                for (int k = 0; k < 3; k++) end.r[k] += shift[k];
+            }
             for (; samples[i].next < samples[i].count; samples[i].next++)
                 for (int k = 0; k < 3; k++) samples[i].position[3 * samples[i].next + k] = end.r[k];
             arrays->ends[owner[i]] = end;

@@ -8,6 +8,7 @@
 #include "backend/opencl/trace.h"
 #include "context.h"
 #include "medium/medium.h"
+#include "medium/method.h"
 #include "scene/rays.h"
 
 #define MIN_RTOL 1e-14
@@ -30,9 +31,9 @@ static cpm_status bad_number(cpm_context *context, const char *name, double valu
 }
 
 static cpm_status check_steering(cpm_context *context, const cpm_rays_request *q) {
-    if (q->method < CPM_METHOD_AUTO || q->method > CPM_METHOD_DOPRI5)
-        return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "method is %d; must be 0 to 4 (cpm_method)",
-                        (int)q->method);
+    if (q->method < CPM_METHOD_AUTO || q->method > CPM_METHOD_LAST)
+        return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "method is %d; must be 0 to %d (cpm_method)",
+                        (int)q->method, CPM_METHOD_LAST);
     if (q->rtol != 0.0 && !(q->rtol >= MIN_RTOL && q->rtol <= 1.0))
         return bad_number(context, "rtol", q->rtol, "in [1e-14, 1], or 0 for the method's default");
     if (!(q->atol >= 0.0) || !isfinite(q->atol)) return bad_number(context, "atol", q->atol, "finite and >= 0");
@@ -121,33 +122,24 @@ static cpm_status check_end(cpm_context *context, const cpm_rays_request *q, cpm
 
 static cpm_status choose_method(cpm_context *context, const cpm_medium *medium, const cpm_rays_request *q,
                                 int32_t *method) {
-    const uint32_t without = q->exclude;
     const int exact = cpm_medium_has_exact(medium), exact_only = cpm_medium_needs_exact(medium);
-    *method = q->method;
-    if (cpm_medium_is_uniform(medium)) { /* straight, whatever was asked: no integrator runs */
-        *method = CPM_METHOD_EXACT;
-        return CPM_OK;
-    }
-    if (q->method == CPM_METHOD_AUTO) {
-        *method = exact && !(without >> CPM_METHOD_EXACT & 1) ? CPM_METHOD_EXACT
-                  : !(without >> CPM_METHOD_DOPRI5 & 1)       ? CPM_METHOD_DOPRI5
-                                                              : CPM_METHOD_EULER;
-        if (*method == CPM_METHOD_EULER && without >> CPM_METHOD_EULER & 1)
-            return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "exclude is 0x%x; no method is left for this medium",
-                            (unsigned)without);
-    }
+    *method = cpm_method_in(medium, q->method, q->exclude, q->step);
+    if (cpm_medium_is_uniform(medium)) return CPM_OK; /* straight, whatever was asked: no integrator runs */
+    if (*method == CPM_METHOD_AUTO)
+        return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "exclude is 0x%x; no method is left for this medium",
+                        (unsigned)q->exclude);
     if (*method == CPM_METHOD_EXACT && !exact)
         return cpm_fail(
             context, CPM_ERROR_UNSUPPORTED,
-            "method is exact; this medium has no closed form (homogeneous, linear-squared, linear, and layered "
-            "linear-squared and step have)");
+            "method is exact; this medium has no closed form (homogeneous, linear-squared, linear, layered "
+            "linear-squared and step, parabolic, luneburg, fisheye and eaton have)");
     if (*method != CPM_METHOD_EXACT && exact_only)
         return cpm_fail(context, CPM_ERROR_UNSUPPORTED,
                         "discrete layers (step) have no gradient to integrate; only method exact (or auto, exact not "
                         "excluded) traces them");
-    if (*method == CPM_METHOD_RK4 && !(q->step > 0.0))
+    if (cpm_method_needs_step(*method) && !(q->step > 0.0))
         return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT,
-                        "step is 0; method rk4 takes fixed steps: give step > 0 in metres");
+                        "step is 0; method %s takes fixed steps: give step > 0 in metres", cpm_method_text(*method));
     return CPM_OK;
 }
 
@@ -191,7 +183,7 @@ static cpm_status run(const trace_work *w, cpm_ray_end *ends, double *positions,
         return cpm_opencl_trace(w->context, w->medium, &w->control, &w->goal, w->request->single_precision, w->starts,
                                 ends, positions, positions ? (int64_t)w->request->path_samples : 0,
                                 (int64_t)w->request->count, from, to);
-    const cpm_lane_code *code = cpm_lane_code_for(w->request->single_precision);
+    const cpm_lane_code *code = cpm_lane_code_for(w->medium->data.kind, w->request->single_precision);
     const int64_t count = (int64_t)w->request->count, threads = w->context->threads;
     int64_t chunk = (count / (8 * threads) + CPM_LANES) / CPM_LANES * CPM_LANES;
     if (chunk > MAX_CHUNK) chunk = MAX_CHUNK;
@@ -332,9 +324,8 @@ cpm_status cpm_rays_trace(cpm_context *context, const cpm_medium *medium, struct
     w.control = (cpm_step_control){.method = method,
                                    .atol = q.atol,
                                    .step = q.step,
-                                   .rtol = q.rtol > 0.0                 ? q.rtol
-                                           : method == CPM_METHOD_EULER ? 1e-2
-                                                                        : 1e-6,
+                                   .rtol = cpm_method_rtol(method, q.rtol),
+                                   .dense = q.path_samples > 0 && out.paths,
                                    .max_step = q.max_step > 0.0 ? fmin(q.max_step, CPM_INFINITE) : CPM_INFINITE,
                                    .max_evaluations = q.max_evaluations > 0 ? (double)q.max_evaluations : 1e6};
     if (q.single_precision)

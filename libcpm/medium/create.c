@@ -69,9 +69,9 @@ void cpm_medium_release(cpm_medium *medium) {
     free(medium);
 }
 
-static cpm_status check_n(cpm_context *context, const char *name, double n) {
-    if (isfinite(n) && n > 0.0) return CPM_OK;
-    return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "%s is %g; must be finite and > 0", name, n);
+cpm_status cpm_check_positive(cpm_context *context, const char *name, double value) {
+    if (isfinite(value) && value > 0.0) return CPM_OK;
+    return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "%s is %g; must be finite and > 0", name, value);
 }
 
 cpm_status cpm_medium_create_homogeneous(cpm_context *context, double n, const cpm_dispersion *dispersion,
@@ -79,7 +79,7 @@ cpm_status cpm_medium_create_homogeneous(cpm_context *context, double n, const c
     if (!medium) return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "medium is NULL");
     *medium = NULL;
     if (!context) return CPM_ERROR_INVALID_ARGUMENT;
-    cpm_status status = check_n(context, "n", n);
+    cpm_status status = cpm_check_positive(context, "n", n);
     if (status != CPM_OK) return status;
     cpm_medium_data data = {.kind = CPM_MEDIUM_HOMOGENEOUS, .uniform = 1, .value = n - 1.0, .feature = INFINITY};
     return cpm_medium_make(context, &data, 0, dispersion, medium);
@@ -127,7 +127,7 @@ cpm_status cpm_medium_create_linear_squared(cpm_context *context, double n_squar
     if (!medium) return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "medium is NULL");
     *medium = NULL;
     if (!context) return CPM_ERROR_INVALID_ARGUMENT;
-    cpm_status status = check_n(context, "n_squared", n_squared);
+    cpm_status status = cpm_check_positive(context, "n_squared", n_squared);
     if (status != CPM_OK) return status;
     return create_linear(context, CPM_MEDIUM_LINEAR_SQUARED, n_squared - 1.0, gradient, origin, dispersion, medium);
 }
@@ -137,7 +137,7 @@ cpm_status cpm_medium_create_linear(cpm_context *context, double n, const double
     if (!medium) return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "medium is NULL");
     *medium = NULL;
     if (!context) return CPM_ERROR_INVALID_ARGUMENT;
-    cpm_status status = check_n(context, "n", n);
+    cpm_status status = cpm_check_positive(context, "n", n);
     if (status != CPM_OK) return status;
     return create_linear(context, CPM_MEDIUM_LINEAR, n - 1.0, gradient, origin, dispersion, medium);
 }

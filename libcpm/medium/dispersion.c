@@ -1,8 +1,8 @@
 /* medium/dispersion.c: checking a dispersion, and the factor that a wavelength gives a medium.
  *
  * A medium's own numbers hold at the d line. One defined by n has s = (D(w) - 1)/(D(d) - 1), one defined by n^2 has
- * s = (D(w)^2 - 1)/(D(d)^2 - 1). A homogeneous medium made from a dispersion alone stores N = 1, so s = D(w) - 1 and
- * the d line need not be in range. */
+ * s = (D(w)^2 - 1)/(D(d)^2 - 1); a lens keeps its shape only while s is not too small. A homogeneous medium made from a
+ * dispersion alone stores N = 1, so s = D(w) - 1 and the d line need not be in range. */
 #include "cl/shared/dispersion.h"
 
 #include "dispersion.h"
@@ -85,6 +85,19 @@ cpm_status cpm_dispersion_check(cpm_context *context, const cpm_dispersion *d, d
     return CPM_OK;
 }
 
+/* The scale above which rays in a medium are of the kind that they are at the d line: ellipses in fibre and lenses (an
+ * Eaton lens below 1/2 has hyperbolas), n > 0 in a fish-eye. */
+static double least_scale(const cpm_medium_data *data) {
+    if (data->uniform) return -INFINITY;
+    if (data->kind == CPM_MEDIUM_EATON) return 0.5;
+    if (data->kind == CPM_MEDIUM_PARABOLIC || data->kind == CPM_MEDIUM_LUNEBURG) return 0.0;
+    if (data->kind == CPM_MEDIUM_FISHEYE && data->value > 0.0) return -1.0 / data->value;
+    return -INFINITY;
+}
+static double largest_scale(const cpm_medium_data *data) {
+    return data->kind == CPM_MEDIUM_FISHEYE && data->value < 0.0 ? -1.0 / data->value : INFINITY;
+}
+
 cpm_status cpm_medium_scale(cpm_context *context, const cpm_medium *medium, double wavelength, double *scale) {
     *scale = medium->by_wavelength ? wavelength : 1.0;
     if (!medium->dispersive || medium->by_wavelength) {
@@ -97,5 +110,10 @@ cpm_status cpm_medium_scale(cpm_context *context, const cpm_medium *medium, doub
     cpm_status status = cpm_dispersion_check(context, &medium->dispersion, wavelength, &n);
     if (status != CPM_OK) return status;
     *scale = (cpm_medium_by_square(&medium->data) ? (n - 1.0) * (n + 1.0) : n - 1.0) / medium->reference;
+    const double low = least_scale(&medium->data), high = largest_scale(&medium->data);
+    if (!(*scale > low && *scale < high))
+        return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT,
+                        "dispersion scales the medium by %g at %g nm (1 at %g nm); must be in (%g, %g) for this medium",
+                        *scale, wavelength, CPM_D_LINE, low, high);
     return CPM_OK;
 }

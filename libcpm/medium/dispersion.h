@@ -15,7 +15,8 @@ cpm_status cpm_sum_check(cpm_context *context, const cpm_medium *medium, double 
 
 /* Defined by n^2: the dispersion scales n^2 - 1. */
 static inline int cpm_medium_by_square(const cpm_medium_data *data) {
-    return data->kind == CPM_MEDIUM_LINEAR_SQUARED ||
+    return data->kind == CPM_MEDIUM_LINEAR_SQUARED || data->kind == CPM_MEDIUM_PARABOLIC ||
+           data->kind == CPM_MEDIUM_LUNEBURG || data->kind == CPM_MEDIUM_EATON ||
            ((data->kind == CPM_MEDIUM_LAYERED || data->kind == CPM_MEDIUM_SHELLS) &&
             data->interpolation == CPM_FIELD_LINEAR_SQUARED);
 }
@@ -24,6 +25,7 @@ static inline int cpm_medium_by_square(const cpm_medium_data *data) {
  * `data` decides whether n or n^2 is scaled. */
 cpm_status cpm_medium_make(cpm_context *context, const cpm_medium_data *data, size_t table_count,
                            const cpm_dispersion *dispersion, cpm_medium **medium);
-/* Refuses vectors with a component that is not finite. */
+/* Refuses vectors with a component that is not finite; numbers that are not finite and > 0. */
 cpm_status cpm_check_vector(cpm_context *context, const char *name, const double *vector);
+cpm_status cpm_check_positive(cpm_context *context, const char *name, double value);
 #endif

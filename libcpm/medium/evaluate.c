@@ -16,7 +16,7 @@ static int is_layered(const cpm_medium_data *d) {
 
 int cpm_medium_has_exact(const cpm_medium *medium) {
     const cpm_medium_data *d = &medium->data;
-    return d->uniform || d->kind == CPM_MEDIUM_LINEAR_SQUARED || d->kind == CPM_MEDIUM_LINEAR ||
+    return d->uniform || d->kind == CPM_MEDIUM_LINEAR_SQUARED || d->kind == CPM_MEDIUM_LINEAR || cpm_is_central(d) ||
            (is_layered(d) && d->interpolation != CPM_FIELD_CUBIC);
 }
 

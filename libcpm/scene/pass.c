@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "medium/method.h"
+
 #define NUDGE 1e-9 /* of the scene's size */
 
 cpm_status cpm_check_wavelengths(cpm_context *context, const double *wavelengths, size_t count) {
@@ -59,11 +61,13 @@ static void find_extent(cpm_pass *pass) {
     for (int k = 0; k < 3; k++) pass->extent.low[k] = -INFINITY, pass->extent.high[k] = INFINITY;
 }
 
-static cpm_way way_of(const cpm_scene_options *o, const cpm_medium *medium) {
+static int32_t method_of(const cpm_scene_options *o, const cpm_medium *medium) {
+    return cpm_medium_needs_exact(medium) ? CPM_METHOD_EXACT : cpm_method_in(medium, o->method, o->exclude, o->step);
+}
+
+static cpm_way way_of(int32_t method, const cpm_medium *medium) {
     if (cpm_medium_is_uniform(medium)) return CPM_WAY_STRAIGHT;
-    int allowed = (o->method == CPM_METHOD_AUTO && !(o->exclude >> CPM_METHOD_EXACT & 1u)) || o->method == CPM_METHOD_EXACT;
-    return (allowed && cpm_medium_has_exact(medium)) || cpm_medium_needs_exact(medium) ? CPM_WAY_EXACT
-                                                                                       : CPM_WAY_INTEGRATED;
+    return method == CPM_METHOD_EXACT ? CPM_WAY_EXACT : CPM_WAY_INTEGRATED;
 }
 
 static cpm_status look_at_media(cpm_pass *pass) {
@@ -71,7 +75,11 @@ static cpm_status look_at_media(cpm_pass *pass) {
     for (size_t m = 0; m < scene->medium_count; m++) {
         const cpm_medium *medium = scene->media[m].medium;
         double *scale = &pass->scale[m * pass->bins];
-        pass->way[m] = (uint8_t)way_of(&pass->options, medium);
+        pass->method[m] = (uint8_t)method_of(&pass->options, medium);
+        if (pass->method[m] == CPM_METHOD_AUTO)
+            return cpm_fail(pass->context, CPM_ERROR_INVALID_ARGUMENT, "exclude is 0x%x; no method is left for medium %zu",
+                            (unsigned)pass->options.exclude, m);
+        pass->way[m] = (uint8_t)way_of(pass->method[m], medium);
         for (size_t b = 0; b < pass->bins; b++) {
             cpm_status status = cpm_medium_scale(pass->context, medium, pass->wavelengths[b], &scale[b]);
             if (status) return status;
@@ -134,10 +142,11 @@ cpm_status cpm_pass_begin_with(cpm_context *context, cpm_scene *scene, const cpm
     pass->index = calloc(media * bins, sizeof(double));
     pass->disperses = calloc(media, 1);
     pass->way = calloc(media, 1);
+    pass->method = calloc(media, 1);
     pass->emission = calloc(lights * bins, sizeof(double));
     cpm_status status = CPM_OK;
     if (!pass->wavelengths || !pass->reflectance || !pass->reflectance_max || !pass->scale || !pass->index ||
-        !pass->disperses || !pass->way || !pass->emission)
+        !pass->disperses || !pass->way || !pass->method || !pass->emission)
         status = cpm_fail(context, CPM_ERROR_OUT_OF_MEMORY, "no memory for a pass over %zu wavelengths", bins);
     if (!status) {
         memcpy(pass->wavelengths, wavelengths, bins * sizeof(double));
@@ -160,7 +169,7 @@ cpm_status cpm_pass_begin_with(cpm_context *context, cpm_scene *scene, const cpm
 
 void cpm_pass_end(cpm_pass *pass) {
     free(pass->wavelengths), free(pass->reflectance), free(pass->reflectance_max), free(pass->scale);
-    free(pass->index), free(pass->disperses), free(pass->way), free(pass->emission);
+    free(pass->index), free(pass->disperses), free(pass->way), free(pass->method), free(pass->emission);
     memset(pass, 0, sizeof *pass);
 }
 

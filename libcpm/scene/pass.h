@@ -20,6 +20,7 @@ typedef struct cpm_pass {
     double *index;          /* media x bins: n of uniform media */
     uint8_t *disperses;     /* media: n differs between the bins */
     uint8_t *way;           /* media: cpm_way */
+    uint8_t *method;        /* media: cpm_method that runs */
     double *emission;       /* lights x bins */
     cpm_box extent;
     cpm_box box;            /* of the geometry */

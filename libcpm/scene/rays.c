@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "backend/native/cross.h"
+#include "medium/method.h"
 
 #define CHUNK 64
 #define MAX_BOUNDARIES 10000
@@ -99,7 +100,7 @@ static int measure(journey *j, size_t from, double wanted, const double *point, 
 typedef struct errand { /* what all rays of a request share */
     const cpm_pass *pass;
     const cpm_rays_request *request;
-    const double *points, *normals;
+    const double *max_step; /* rays, metres; NULL: the pass's */
 } errand;
 
 static void add_up(journey *j, const cpm_arrival *a, int first) {
@@ -148,7 +149,8 @@ static void travel(const errand *e, size_t ray, journey *j) {
     for (int i = 0; i < MAX_BOUNDARIES; i++) {
         cpm_arrival arrival;
         cpm_follow_options options = {.max_evaluations = q->max_evaluations, .sink = keep_piece, .user = j,
-                                      .far = far_enough(q, &flight, wanted - j->length)};
+                                      .far = far_enough(q, &flight, wanted - j->length),
+                                      .max_step = e->max_step ? e->max_step[ray] : 0.0};
         size_t from = j->count;
         cpm_follow(e->pass, &flight, 1, &options, &arrival);
         add_up(j, &arrival, i == 0);
@@ -204,8 +206,8 @@ static void report(const cpm_rays_request *q, size_t ray, const journey *j, cpm_
 }
 
 static cpm_status trace_all(cpm_context *context, const cpm_pass *pass, const cpm_rays_request *q,
-                            cpm_rays_result *result) {
-    const errand e = {.pass = pass, .request = q};
+                            const double *max_step, cpm_rays_result *result) {
+    const errand e = {.pass = pass, .request = q, .max_step = max_step};
     const ptrdiff_t count = (ptrdiff_t)q->count;
     int failed = 0;
 #pragma omp parallel for num_threads(context->threads) schedule(dynamic, CHUNK)
@@ -222,24 +224,29 @@ static cpm_status trace_all(cpm_context *context, const cpm_pass *pass, const cp
     return failed ? cpm_fail(context, CPM_ERROR_OUT_OF_MEMORY, "no memory for the paths of %zu rays", q->count) : CPM_OK;
 }
 
-/* The difference to a second run with a tenth of the tolerance (fixed steps: half the step). */
+/* The difference to a second run with a tenth of the tolerance, and at most half the steps: where one step of the
+ * loosest tolerance does, a tenth of it alone would repeat it (fixed steps: half the step). */
 static cpm_status global_error(cpm_context *context, cpm_scene *scene, cpm_scene_options options,
                                const cpm_rays_request *request, size_t bins, cpm_rays_result *result) {
     const size_t count = request->count;
-    double *position = malloc(3 * count * sizeof *position);
+    double *position = malloc(3 * count * sizeof *position), *max_step = malloc(count * sizeof *max_step);
     int64_t *evaluations = malloc(count * sizeof *evaluations);
     cpm_rays_request q = *request;
     cpm_rays_result second = {.struct_size = sizeof second, .position = position, .evaluations = evaluations};
     cpm_pass pass;
     q.path_samples = 0;
-    options.rtol = cpm_max(0.1 * (options.rtol > 0.0 ? options.rtol : options.method == CPM_METHOD_EULER ? 1e-2 : 1e-6), 1e-14);
+    options.rtol = cpm_max(0.1 * cpm_method_rtol(options.method, options.rtol), 1e-14);
     options.atol *= 0.1;
     options.step *= 0.5;
-    cpm_status status = position && evaluations
+    for (size_t i = 0; i < count && max_step; i++) {
+        max_step[i] = result->steps[i] > 0 ? 0.5 * result->length[i] / (double)result->steps[i] : 0.0;
+        if (options.max_step > 0.0) max_step[i] = cpm_min(max_step[i], options.max_step);
+    }
+    cpm_status status = position && evaluations && max_step
                             ? cpm_pass_begin_with(context, scene, &options, q.wavelengths, bins, &pass)
                             : cpm_fail(context, CPM_ERROR_OUT_OF_MEMORY, "no memory for a second run");
     if (!status) {
-        status = trace_all(context, &pass, &q, &second);
+        status = trace_all(context, &pass, &q, options.step > 0.0 ? NULL : max_step, &second);
         cpm_pass_end(&pass);
     }
     for (size_t i = 0; i < count && !status; i++) {
@@ -250,7 +257,7 @@ static cpm_status global_error(cpm_context *context, cpm_scene *scene, cpm_scene
             result->error_estimate[i] = cpm_max(difference, 4e-16 * sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]));
         if (result->error_evaluations) result->error_evaluations[i] = evaluations[i];
     }
-    free(position), free(evaluations);
+    free(position), free(evaluations), free(max_step);
     return status;
 }
 
@@ -271,20 +278,22 @@ cpm_status cpm_scene_rays_trace(cpm_context *context, cpm_scene *scene, const cp
                 return cpm_fail(context, CPM_ERROR_UNSUPPORTED, "method exact: medium %zu of the scene has no closed form "
                                 "of the path", m);
     cpm_rays_result r = *result;
-    double *position = NULL;
-    if (request->error_mode == CPM_ERROR_GLOBAL && !r.position) {
-        position = malloc(3 * request->count * sizeof *position);
-        if (!position) return cpm_fail(context, CPM_ERROR_OUT_OF_MEMORY, "no memory for %zu rays", request->count);
-        r.position = position;
+    double *own = NULL; /* position, length and steps that global_error needs */
+    if (request->error_mode == CPM_ERROR_GLOBAL) {
+        own = malloc(request->count * (4 * sizeof *own + sizeof *r.steps));
+        if (!own) return cpm_fail(context, CPM_ERROR_OUT_OF_MEMORY, "no memory for %zu rays", request->count);
+        if (!r.position) r.position = own;
+        if (!r.length) r.length = own + 3 * request->count;
+        if (!r.steps) r.steps = (int64_t *)(own + 4 * request->count);
     }
     cpm_pass pass;
     cpm_status status = cpm_pass_begin_with(context, scene, &options, request->wavelengths, bins, &pass);
     if (!status) {
-        status = trace_all(context, &pass, request, &r);
+        status = trace_all(context, &pass, request, NULL, &r);
         cpm_pass_end(&pass);
     }
     if (!status && request->error_mode == CPM_ERROR_GLOBAL)
         status = global_error(context, scene, options, request, bins, &r);
-    free(position);
+    free(own);
     return status;
 }

@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "medium/method.h"
+
 #define RADIANS (3.14159265358979323846 / 180.0)
 
 int cpm_grow(void **array, size_t *capacity, size_t count, size_t more, size_t element) {
@@ -40,17 +42,18 @@ cpm_status cpm_scene_create(cpm_context *context, const cpm_scene_options *optio
         cpm_status status = take_extent(context, o.extent);
         if (status) return status;
     }
-    if (o.method < CPM_METHOD_AUTO || o.method > CPM_METHOD_DOPRI5)
+    if (o.method < CPM_METHOD_AUTO || o.method > CPM_METHOD_LAST)
         return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "method is %d; allowed: %d to %d (cpm_method)", o.method,
-                        CPM_METHOD_AUTO, CPM_METHOD_DOPRI5);
+                        CPM_METHOD_AUTO, CPM_METHOD_LAST);
     if (o.rtol != 0.0 && !(o.rtol >= 1e-14 && o.rtol <= 1.0))
         return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "rtol is %g; allowed: 1e-14 to 1", o.rtol);
     if (!(o.atol >= 0.0) || !(o.max_step >= 0.0) || !(o.step >= 0.0) || isinf(o.step) || !isfinite(o.atol))
         return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "atol %g, step %g, max_step %g: none may be negative or NaN, "
                         "nor atol or step infinite",
                         o.atol, o.step, o.max_step);
-    if (o.method == CPM_METHOD_RK4 && !(o.step > 0.0))
-        return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "method rk4 has fixed steps: step must be positive, metres");
+    if (cpm_method_needs_step(o.method) && !(o.step > 0.0))
+        return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "method %s has fixed steps: step must be positive, metres",
+                        cpm_method_text(o.method));
     cpm_scene *s = calloc(1, sizeof *s);
     if (!s) return cpm_fail(context, CPM_ERROR_OUT_OF_MEMORY, "no memory for a scene");
     atomic_init(&s->references, 1);

@@ -14,7 +14,7 @@ from .bounds import Box, Sphere
 from .camera import Camera
 from .lights import Area, Light, Point, Spot
 from .materials import Material, as_material
-from .media import Grid, Medium, as_medium
+from .media import Medium, as_medium
 from .settings import RenderSettings
 from .shapes import Shape
 from .status import exclusion_bits, method_code
@@ -189,7 +189,8 @@ class Scene:
         return shape
 
     def add_medium(self, medium: Medium) -> Medium:
-        """Add a bounded medium; it is where ``medium.bounds`` is (a Grid without bounds: the box of its samples).
+        """Add a bounded medium; it is where ``medium.bounds`` is (without bounds a Grid fills the box of its samples,
+        Luneburg's and Eaton's lenses their sphere).
 
         Returns
         -------
@@ -198,7 +199,7 @@ class Scene:
         """
         if not isinstance(medium, Medium):
             raise TypeError(f"medium is {medium!r}; one of cpm.media is needed")
-        bounds = medium.box if medium.bounds is None and isinstance(medium, Grid) else medium.bounds
+        bounds = medium._own_bounds() if medium.bounds is None else medium.bounds
         handle = medium._handle
         if isinstance(bounds, Box):
             low, high = bounds.low, bounds.high

@@ -7,7 +7,7 @@ over log(step) between steps where the error is far above rounding.
 
 import numpy as np
 import pytest
-from oracles import closed_forms, rays
+from oracles import central, closed_forms, rays
 
 import cpm
 
@@ -35,38 +35,58 @@ MEDIA["layered-cubic"] = (
     lambda: cpm.media.Layered(_HEIGHTS, _tanh(_HEIGHTS), up=(0, 1, 0), interpolation="cubic"),
     _smooth_reference,
 )
+_LENS = (2.0, 6.0, (0.1, -0.2, 0.3))
+MEDIA["parabolic"] = (
+    lambda: cpm.media.Parabolic(1.5, 0.3, axis=(1, 0.2, 0)),
+    lambda: central.parabolic(1.5, 0.3, (1, 0.2, 0), (0, 0, 0), ORIGIN, DIRECTION, length=LENGTH),
+)
+MEDIA["fisheye"] = (
+    lambda: cpm.media.Fisheye(*_LENS),
+    lambda: central.fisheye(*_LENS, ORIGIN, DIRECTION, length=LENGTH),
+)
 
 #: method → (order, steps in metres).
 METHODS = {
     "euler": (2, [0.08, 0.04, 0.02, 0.01]),
     "rk4": (4, [0.5, 0.25, 0.125]),
     "dopri5": (5, [1.0, 0.5, 0.25]),
+    "leapfrog": (2, [0.1, 0.05, 0.025]),
+    "yoshida6": (6, [1.0, 0.5, 0.25]),
+    "nystrom6": (6, [1.0, 0.5, 0.25]),
+    "nystrom8": (8, [4.0, 2.0, 1.0]),
 }
+#: What stands behind a variant: the pair of `nystrom` is chosen by the tolerance.
+OPTIONS = {"nystrom6": {"method": "nystrom", "rtol": 1e-2}, "nystrom8": {"method": "nystrom", "rtol": 1e-9}}
 
 
 def observed(make, reference, method, steps):
     """Errors (K,) at the end for each step, and the slopes between them."""
     errors = []
     for step in steps:
-        rays_ = cpm.trace(make(), [ORIGIN], [DIRECTION], wavelength=550.0, length=LENGTH, method=method, step=step)
+        rays_ = cpm.trace(make(), [ORIGIN], [DIRECTION], wavelength=550.0, length=LENGTH, step=step,
+                          **OPTIONS.get(method, {"method": method}))
         assert rays_.status[0] == cpm.RayStatus.ARRIVED
         errors.append(np.linalg.norm(rays_.position[0] - reference.position))
     errors = np.array(errors)
     return errors, np.diff(np.log(errors)) / np.diff(np.log(steps))
 
 
-@pytest.mark.parametrize("medium", MEDIA)
-@pytest.mark.parametrize("method", METHODS)
+#: Eighth order needs an analytic field: the table's third derivative jumps by 1e-10.
+CASES = [(medium, method) for medium in MEDIA for method in METHODS if (medium, method) != ("layered-cubic", "nystrom8")]
+
+
+@pytest.mark.parametrize(("medium", "method"), CASES)
 def test_order(medium, method):
     """The mean slope is the method's order, less what the coarsest step still owes."""
     order, steps = METHODS[method]
     make, reference = MEDIA[medium]
     errors, slopes = observed(make, reference(), method, steps)
     assert errors[-1] > 1e-12, f"at rounding: {errors}"
-    assert order - 0.4 < np.mean(slopes) < order + 1.0, f"errors {errors}, slopes {slopes}"
+    more = 2.0 if (medium, method) == ("parabolic", "nystrom8") else 1.0  # a linear system: few conditions of order 9
+    assert order - 0.4 < np.mean(slopes) < order + more, f"errors {errors}, slopes {slopes}"
 
 
-@pytest.mark.parametrize("method", ["euler", "dopri5"])
+@pytest.mark.parametrize("method", ["euler", "dopri5", "nystrom", "adams", "leapfrog", "yoshida6"])
 def test_linear_squared_is_exact(method):
     """Order ≥ 2 in σ has no error on n² linear, at any step (a Richardson-extrapolated Euler included)."""
     rays_ = cpm.trace(
@@ -79,7 +99,7 @@ def test_linear_squared_is_exact(method):
     np.testing.assert_allclose(rays_.position[0], expected.position, rtol=0, atol=1e-12)
 
 
-@pytest.mark.parametrize("method", ["euler", "dopri5"])
+@pytest.mark.parametrize("method", ["euler", "dopri5", "nystrom", "adams"])
 def test_adaptive_error_follows_tolerance(method):
     """Over the tolerances the error falls with rtol: as itself, or as its square where Euler's step is ∝ rtol."""
     make, reference = MEDIA["linear"]

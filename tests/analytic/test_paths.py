@@ -18,6 +18,8 @@ WAVELENGTH = 550.0
 TOLERANCES = {
     "euler": [1e-2, 1e-3],
     "dopri5": [1e-3, 1e-6, 1e-9, 1e-12],
+    "adams": [1e-2, 1e-3, 1e-6, 1e-9, 1e-12],
+    "nystrom": [1e-2, 1e-3, 1e-4, 1e-6, 1e-9, 1e-12],
     "auto": [1e-3, 1e-6, 1e-9, 1e-12],
 }
 NUMERIC = [(m, t) for m, ts in TOLERANCES.items() for t in ts]
@@ -25,7 +27,8 @@ EXACT = [name for name, case in CASES.items() if case.exact]
 INEXACT = [name for name, case in CASES.items() if not case.exact]
 
 #: What oracle and rounding leave, metres over a few metres of path.
-FLOOR = {"layered-linear-squared": 2e-12, "grid-linear": 3e-10, "grid-cubic": 3e-10, "layered-cubic": 3e-10}
+FLOOR = {"layered-linear-squared": 2e-12, "grid-linear": 3e-10, "grid-cubic": 3e-10, "layered-cubic": 3e-10,
+         "sources": 3e-11}
 
 
 def run(case, **options):

@@ -57,12 +57,19 @@ static void null_context(void **state) {
     const cpm_grid_desc grid = {.struct_size = sizeof grid};
     const cpm_rays_request request = {.struct_size = sizeof request};
     cpm_rays_result result = {.struct_size = sizeof result};
+    const cpm_sources_desc sources = {
+        .struct_size = sizeof sources, .count = 1, .centers = one, .strengths = one, .exponents = one};
     assert_int_equal(cpm_medium_create_homogeneous(NULL, 1.0, NULL, &made), REFUSED);
     assert_int_equal(cpm_medium_create_dispersive(NULL, NULL, &made), REFUSED);
     assert_int_equal(cpm_medium_create_linear_squared(NULL, 1.0, up, origin, NULL, &made), REFUSED);
     assert_int_equal(cpm_medium_create_linear(NULL, 1.0, up, origin, NULL, &made), REFUSED);
     assert_int_equal(cpm_medium_create_layered(NULL, &layered, NULL, &made), REFUSED);
     assert_int_equal(cpm_medium_create_grid(NULL, &grid, NULL, &made), REFUSED);
+    assert_int_equal(cpm_medium_create_parabolic(NULL, 1.5, 0.1, up, origin, NULL, &made), REFUSED);
+    assert_int_equal(cpm_medium_create_luneburg(NULL, 1.0, origin, NULL, &made), REFUSED);
+    assert_int_equal(cpm_medium_create_fisheye(NULL, 1.5, 1.0, origin, NULL, &made), REFUSED);
+    assert_int_equal(cpm_medium_create_eaton(NULL, 1.0, origin, NULL, &made), REFUSED);
+    assert_int_equal(cpm_medium_create_sources(NULL, &sources, NULL, &made), REFUSED);
     assert_int_equal(cpm_medium_evaluate(NULL, medium, origin, 1, 550.0, &n, NULL), REFUSED);
     assert_int_equal(cpm_rays_trace(NULL, medium, NULL, &request, &result), REFUSED);
     assert_int_equal(cpm_scene_create(NULL, NULL, &scene_made), REFUSED);

@@ -27,6 +27,89 @@ static void media_simple(void **state) {
     cpm_context_release(context);
 }
 
+static void media_lenses(void **state) {
+    (void)state;
+    cpm_context *context = new_context();
+    cpm_medium *m = NULL;
+    assert_status(context, REFUSED, cpm_medium_create_parabolic(context, 1.5, 0.1, up, origin, NULL, NULL));
+    assert_status(context, REFUSED, cpm_medium_create_luneburg(context, 1.0, origin, NULL, NULL));
+    assert_status(context, REFUSED, cpm_medium_create_fisheye(context, 1.5, 1.0, origin, NULL, NULL));
+    assert_status(context, REFUSED, cpm_medium_create_eaton(context, 1.0, origin, NULL, NULL));
+    for (size_t i = 0; i < COUNT_OF(not_positive); i++) {
+        const double bad = not_positive[i];
+        assert_refused(context, m, cpm_medium_create_parabolic(context, bad, 0.1, up, origin, NULL, &m));
+        assert_refused(context, m, cpm_medium_create_fisheye(context, bad, 1.0, origin, NULL, &m));
+        assert_refused(context, m, cpm_medium_create_fisheye(context, 1.5, bad, origin, NULL, &m));
+        assert_refused(context, m, cpm_medium_create_luneburg(context, bad, origin, NULL, &m));
+        assert_refused(context, m, cpm_medium_create_eaton(context, bad, origin, NULL, &m));
+    }
+    const double alphas[] = {NAN, INFINITY, -INFINITY, -1.0, 1e100, -0x1p-1074, 0x1p-1074};
+    for (size_t i = 0; i < COUNT_OF(alphas); i++)
+        assert_refused(context, m, cpm_medium_create_parabolic(context, 1.5, alphas[i], up, origin, NULL, &m));
+    assert_refused(context, m, cpm_medium_create_parabolic(context, 1.5, 0.1, origin, origin, NULL, &m));
+    for (size_t i = 0; i < COUNT_OF(not_numbers); i++) {
+        const double bad[3] = {0, not_numbers[i], 0};
+        assert_refused(context, m, cpm_medium_create_parabolic(context, 1.5, 0.1, bad, origin, NULL, &m));
+        assert_refused(context, m, cpm_medium_create_parabolic(context, 1.5, 0.1, up, bad, NULL, &m));
+        assert_refused(context, m, cpm_medium_create_luneburg(context, 1.0, bad, NULL, &m));
+        assert_refused(context, m, cpm_medium_create_fisheye(context, 1.5, 1.0, bad, NULL, &m));
+        assert_refused(context, m, cpm_medium_create_eaton(context, 1.0, bad, NULL, &m));
+    }
+    assert_ok(context,
+              cpm_medium_create_parabolic(context, 1.5, 0.1, NULL, NULL, NULL, &m)); /* +z through the origin */
+    double n = 0;
+    assert_ok(context, cpm_medium_evaluate(context, m, up, 1, 550.0, &n, NULL));
+    assert_true(fabs(n - 1.5 * sqrt(0.99)) < 1e-15);
+    cpm_medium_release(m);
+    cpm_context_release(context);
+}
+
+static void media_sources(void **state) {
+    (void)state;
+    cpm_context *context = new_context();
+    cpm_medium *m = NULL;
+    const double centers[6] = {0, 0, 0, 1, 0, 0}, strengths[2] = {0.1, -0.1}, exponents[2] = {2, 1.5};
+    const cpm_sources_desc good = {
+        .struct_size = sizeof good, .count = 2, .centers = centers, .strengths = strengths, .exponents = exponents};
+    assert_ok(context, cpm_medium_create_sources(context, &good, NULL, &m)); /* directions NULL: points */
+    cpm_medium_release(m);
+    assert_refused(context, m, cpm_medium_create_sources(context, NULL, NULL, &m));
+    assert_status(context, REFUSED, cpm_medium_create_sources(context, &good, NULL, NULL));
+    cpm_sources_desc d = good;
+    d.struct_size = 0;
+    assert_refused(context, m, cpm_medium_create_sources(context, &d, NULL, &m));
+    d = good, d.count = 0;
+    assert_refused(context, m, cpm_medium_create_sources(context, &d, NULL, &m));
+    d.count = SIZE_MAX;
+    assert_refused(context, m, cpm_medium_create_sources(context, &d, NULL, &m));
+    d = good, d.centers = NULL;
+    assert_refused(context, m, cpm_medium_create_sources(context, &d, NULL, &m));
+    d = good, d.strengths = NULL;
+    assert_refused(context, m, cpm_medium_create_sources(context, &d, NULL, &m));
+    d = good, d.exponents = NULL;
+    assert_refused(context, m, cpm_medium_create_sources(context, &d, NULL, &m));
+    for (size_t i = 0; i < COUNT_OF(not_numbers); i++) {
+        const double place[6] = {0, 0, 0, 0, not_numbers[i], 0}, strength[2] = {1, not_numbers[i]};
+        d = good, d.centers = place;
+        assert_refused(context, m, cpm_medium_create_sources(context, &d, NULL, &m));
+        assert_non_null(strstr(cpm_context_last_error(context), "centers[1, 1]"));
+        d = good, d.directions = place;
+        assert_refused(context, m, cpm_medium_create_sources(context, &d, NULL, &m));
+        assert_non_null(strstr(cpm_context_last_error(context), "directions[1, 1]"));
+        d = good, d.strengths = strength;
+        assert_refused(context, m, cpm_medium_create_sources(context, &d, NULL, &m));
+        assert_non_null(strstr(cpm_context_last_error(context), "strengths[1]"));
+    }
+    const double bad[] = {NAN, INFINITY, -INFINITY, 0.0, -1.0, 64.5};
+    for (size_t i = 0; i < COUNT_OF(bad); i++) {
+        const double exponent[2] = {1, bad[i]};
+        d = good, d.exponents = exponent;
+        assert_refused(context, m, cpm_medium_create_sources(context, &d, NULL, &m));
+        assert_non_null(strstr(cpm_context_last_error(context), "exponent[1]"));
+    }
+    cpm_context_release(context);
+}
+
 static void media_dispersion(void **state) {
     (void)state;
     cpm_context *context = new_context();
@@ -359,10 +442,9 @@ static void rays(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(media_simple), cmocka_unit_test(media_dispersion),
-        cmocka_unit_test(media_tables), cmocka_unit_test(media_shells),
-        cmocka_unit_test(media_expression), cmocka_unit_test(media_sum),
-        cmocka_unit_test(medium_evaluate),
+        cmocka_unit_test(media_simple),     cmocka_unit_test(media_dispersion), cmocka_unit_test(media_lenses),
+        cmocka_unit_test(media_sources),    cmocka_unit_test(media_tables),     cmocka_unit_test(media_shells),
+        cmocka_unit_test(media_expression), cmocka_unit_test(media_sum),        cmocka_unit_test(medium_evaluate),
         cmocka_unit_test(rays),
     };
     return cmocka_run_group_tests_name("null_medium", tests, NULL, NULL);

@@ -307,7 +307,7 @@ static void test_exact_pieces(void **state) {
         cpm_piece piece;
         int pieces = 0;
         while (length < 6.0 && pieces < 1000) {
-            assert_int_equal(cpm_exact_next(&m->data, m->table, 1.0, r, p, 0.7, length, &piece, &evaluations), 0);
+            assert_int_equal(cpm_exact_next(&m->data, m->table, 1.0, r, p, 0.7, 0.0, length, &piece, &evaluations), 0);
             assert_near3(piece.r0, r[0], r[1], r[2], 0.0);
             memcpy(r, piece.r1, sizeof r);
             memcpy(p, piece.p1, sizeof p);

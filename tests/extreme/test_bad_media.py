@@ -70,3 +70,46 @@ def test_grid_spacing(spacing):
 def test_other_nonsense(make):
     with pytest.raises((ValueError, TypeError)):
         make(cpm.media)
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, 0.0, -1.0, 1e200])
+@pytest.mark.parametrize("kind", ["Luneburg", "Eaton", "Fisheye"])
+def test_radius(kind, value):
+    with pytest.raises(ValueError, match="radius is"):
+        getattr(cpm.media, kind)(*((1.5, value) if kind == "Fisheye" else (value,)))
+
+
+@pytest.mark.parametrize(
+    ("make", "names"),
+    [
+        (lambda m: m.Parabolic(0.0, 0.1), "n is 0"),
+        (lambda m: m.Parabolic(np.nan, 0.1), "n is nan"),
+        (lambda m: m.Parabolic(1.5, -0.1), "alpha is -0.1"),
+        (lambda m: m.Parabolic(1.5, 0.1, axis=(0, 0, 0)), "axis"),
+        (lambda m: m.Parabolic(1.5, 0.1, axis=(0, np.inf, 0)), "axis"),
+        (lambda m: m.Parabolic(1.5, 0.1, origin=(0, 0)), "origin"),
+        (lambda m: m.Fisheye(-1.0, 1.0), "n is -1"),
+        (lambda m: m.Luneburg(1.0, center=(0, np.nan, 0)), "center"),
+        (lambda m: m.Sources([], 1.0, 2), "centers"),
+        (lambda m: m.Sources([(0, 0)], 1.0, 2), "centers"),
+        (lambda m: m.Sources([(0, 0, 0), (1, 0, np.nan)], 1.0, 2), r"centers\[1, 2\] is nan"),
+        (lambda m: m.Sources([(0, 0, 0)] * 3, [1.0, 2.0, np.inf], 2), r"strengths\[2\] is inf"),
+        (lambda m: m.Sources([(0, 0, 0)] * 2, [1.0, 2.0, 3.0], 2), "strengths has shape"),
+        (lambda m: m.Sources([(0, 0, 0)], 1.0, 0), r"exponent\[0\] is 0"),
+        (lambda m: m.Sources([(0, 0, 0)] * 2, 1.0, [2, -1]), r"exponent\[1\] is -1"),
+        (lambda m: m.Sources([(0, 0, 0)], 1.0, 2, directions=[(0, 0, np.nan)]), "directions"),
+        (lambda m: m.Sources([(0, 0, 0)] * 3, 1.0, 2, directions=[(0, 0, 1)] * 2), "directions has shape"),
+    ],
+)
+def test_lenses_and_sources(make, names):
+    """The message names the argument and its value."""
+    with pytest.raises(ValueError, match=names):
+        make(cpm.media)
+
+
+def test_weak_fibre_is_straight():
+    """α = 0 is a homogeneous medium; sources of no strength are none."""
+    for medium, n in ((cpm.media.Parabolic(1.5, 0.0), 1.5), (cpm.media.Sources([(0, 0, 0)] * 2, 0.0), 1.0)):
+        rays = cpm.trace(medium, [(0, 0, 0)], [(3, 0, 4)], wavelength=550.0, length=5.0, method="dopri5")
+        np.testing.assert_allclose(rays.position[0], (3, 0, 4), rtol=1e-15)
+        assert rays.optical_path[0] == pytest.approx(5 * n, rel=1e-15) and rays.evaluations[0] == 0

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 ROOT = Path(__file__).resolve().parents[2]
-METHODS = {"auto": 0, "exact": 1, "euler": 2, "rk4": 3, "dopri5": 4}
+METHODS = {"auto": 0, "exact": 1, "euler": 2, "rk4": 3, "dopri5": 4, "nystrom": 5, "adams": 6, "leapfrog": 7, "yoshida6": 8}
 F64P = ct.POINTER(ct.c_double)
 
 
@@ -48,6 +48,11 @@ class Instruction(ct.Structure):
 class ExpressionDesc(ct.Structure):
     _fields_ = [("struct_size", ct.c_size_t), ("instructions", ct.POINTER(Instruction)), ("count", ct.c_size_t),
                 ("results", ct.c_int32 * 4), ("feature", ct.c_double)]
+
+
+class SourcesDesc(ct.Structure):
+    _fields_ = [("struct_size", ct.c_size_t), ("count", ct.c_size_t), ("centers", F64P), ("directions", F64P),
+                ("strengths", F64P), ("exponents", F64P)]
 
 
 class MediumData(ct.Structure):
@@ -143,6 +148,23 @@ class Library:
 
     def sum(self, *terms):
         return self._made("cpm_medium_create_sum", (ct.c_void_p * len(terms))(*terms), ct.c_size_t(len(terms)))
+
+    def parabolic(self, n, alpha, axis=(0, 0, 1), origin=(0, 0, 0), dispersion=None):
+        return self._made("cpm_medium_create_parabolic", ct.c_double(n), ct.c_double(alpha), self.vector(axis), self.vector(origin), dispersion)
+
+    def luneburg(self, radius, center=(0, 0, 0), dispersion=None):
+        return self._made("cpm_medium_create_luneburg", ct.c_double(radius), self.vector(center), dispersion)
+
+    def fisheye(self, n, radius, center=(0, 0, 0), dispersion=None):
+        return self._made("cpm_medium_create_fisheye", ct.c_double(n), ct.c_double(radius), self.vector(center), dispersion)
+
+    def eaton(self, radius, center=(0, 0, 0), dispersion=None):
+        return self._made("cpm_medium_create_eaton", ct.c_double(radius), self.vector(center), dispersion)
+
+    def sources(self, centers, strengths, exponents, directions, dispersion=None):
+        c, m, k, d = (np.ascontiguousarray(a, float) for a in (centers, strengths, exponents, directions))
+        desc = SourcesDesc(ct.sizeof(SourcesDesc), len(m), pointer(c), pointer(d), pointer(m), pointer(k))
+        return self._made("cpm_medium_create_sources", ct.byref(desc), dispersion)
 
     @staticmethod
     def inside(medium):

@@ -21,8 +21,8 @@ FLAGS = "-cl-std=CL1.2 -cl-fp32-correctly-rounded-divide-sqrt -Werror"
 START = np.dtype([("r", "f8", 3), ("d", "f8", 3), ("scale", "f8"), ("length", "f8"), ("max_step", "f8")])
 END = np.dtype([("r", "f8", 3), ("p", "f8", 3), ("length", "f8"), ("optical_path", "f8"), ("drift", "f8"), ("error", "f8"),
                 ("evaluations", "f8"), ("steps", "f8"), ("rejected", "f8"), ("status", "i4"), ("reserved", "i4")])
-CONTROL = np.dtype([("method", "i4"), ("reserved", "i4"), ("rtol", "f8"), ("atol", "f8"), ("step", "f8"), ("max_step", "f8"),
-                    ("max_evaluations", "f8"), ("lenient", "f8"), ("first", "f8")])
+CONTROL = np.dtype([("method", "i4"), ("order", "i4"), ("dense", "i4"), ("reserved", "i4"), ("rtol", "f8"), ("atol", "f8"),
+                    ("step", "f8"), ("max_step", "f8"), ("max_evaluations", "f8"), ("derived", "f8", 5)])
 GOAL = np.dtype([("length", "f8"), ("point", "f8", 3), ("normal", "f8", 3), ("max_evaluations", "f8")])
 
 
@@ -60,7 +60,7 @@ def test_header_compiles_alone(context, name, width, single):
 
 @pytest.mark.parametrize("name", KERNELS)
 @pytest.mark.parametrize("values", [{}, {"CPM_WIDTH": 4}, {"CPM_WIDTH": 8, "CPM_SINGLE": 1}] +
-                         [{"CPM_WIDTH": 8, "CPM_MEDIA": 1 << kind} for kind in (*range(5), *range(10, 13))], ids=str)
+                         [{"CPM_WIDTH": 8, "CPM_MEDIA": 1 << kind} for kind in range(13)], ids=str)
 def test_kernel_compiles(context, name, values):
     """Each kernel file, for every medium compiled in alone and for all together."""
     build(context, (ROOT / "cl" / name).read_text(), **values)
@@ -114,13 +114,25 @@ MEDIA = {
     "sum": mixed,
     "grid-linear": lambda L: L.grid(samples(), (-1, -1, -1), SPACING, 0),
     "grid-cubic": lambda L: L.grid(samples(), (-1, -1, -1), SPACING, 1),
+    "parabolic": lambda L: L.parabolic(1.5, 0.15, (0.2, 1, 0.3), (0.1, 0.2, -0.3)),
+    "luneburg": lambda L: L.luneburg(0.9, (0.1, 0.2, -0.3)),
+    "fisheye": lambda L: L.fisheye(1.8, 1.2, (0.1, 0.2, -0.3)),
+    "eaton": lambda L: L.eaton(0.9, (0.1, 0.2, -0.3)),
+    "sources": lambda L: L.sources([(2, 2, 2), (-2, 2.5, 1), (0, -3, 0)], (0.3, 0.2, -0.1), (2, 1.7, 1),
+                                   [(0, 0, 0), (0.6, 0, 0.8), (0, 0, 0)]),
 }
-METHODS = {"exact": {}, "euler": {"rtol": 1e-2}, "rk4": {"step": 0.1, "rtol": 1e-6}, "dopri5": {"rtol": 1e-7}, "fixed": {"step": 0.2, "rtol": 1e-6}}
-EXACT = {"homogeneous", "linear-squared", "linear", "layered-linear-squared", "layered-step", "shells-linear-squared", "shells-step"}
+METHODS = {"exact": {}, "euler": {"rtol": 1e-2}, "rk4": {"step": 0.1, "rtol": 1e-6}, "dopri5": {"rtol": 1e-7}, "fixed": {"step": 0.2, "rtol": 1e-6},
+           "nystrom6": {"rtol": 1e-3}, "nystrom8": {"rtol": 1e-8}, "nystrom-fixed": {"step": 0.3, "rtol": 1e-6},
+           "adams": {"rtol": 1e-6}, "leapfrog": {"step": 0.1}, "yoshida6": {"step": 0.2}}
+NAMES = {"fixed": "dopri5", "nystrom6": "nystrom", "nystrom8": "nystrom", "nystrom-fixed": "nystrom"}  # the method of a variant
+EXACT = {"homogeneous", "linear-squared", "linear", "layered-linear-squared", "layered-step", "shells-linear-squared", "shells-step",
+         "parabolic", "luneburg", "fisheye", "eaton"}
 ONLY_EXACT = {"homogeneous", "layered-step", "shells-step"}
 CASES = [(m, k) for m in MEDIA for k in METHODS if (k == "exact" and m in EXACT) or (k != "exact" and m not in ONLY_EXACT)]
 # Rays that miss the plane run to the bound on evaluations: two integrated media are enough.
-TO_A_PLANE = [(m, "exact") for m in sorted(EXACT)] + [("linear", "dopri5"), ("layered-cubic", "dopri5")]
+TO_A_PLANE = [(m, "exact") for m in sorted(EXACT)] + [("linear", "dopri5"), ("layered-cubic", "dopri5"),
+                                                           ("linear", "nystrom6"), ("layered-cubic", "nystrom8"),
+                                                           ("linear", "adams"), ("layered-cubic", "adams"), ("linear", "yoshida6")]
 COUNT = 61
 
 
@@ -139,11 +151,8 @@ def on_device(context, program, medium, library, method, bundle, until=None, sin
     starts["length"] = -1.0 if lengths is None else lengths
     if until is not None:
         goal["point"], goal["normal"] = until
-    number = {"exact": 1, "euler": 2, "rk4": 3, "dopri5": 4, "fixed": 4}[method]
-    quarter = np.sqrt(np.sqrt(rtol))
-    control["method"], control["rtol"], control["step"], control["max_step"] = number, rtol, step, 1e38 if single else 1e300
-    control["lenient"] = 1.0 if number == 2 else max(1.0, 0.56 / np.sqrt(quarter))
-    control["first"] = 3.0 * rtol if number == 2 else 8.0 * quarter
+    control["method"], control["rtol"], control["step"] = native.METHODS[NAMES.get(method, method)], rtol, step
+    control["max_step"], control["dense"] = 1e38 if single else 1e300, path > 0
     control["max_evaluations"] = goal["max_evaluations"] = 1e6
     queue, flags = cl.CommandQueue(context), cl.mem_flags
     ends, positions = np.zeros(COUNT, END), np.zeros((COUNT, max(path, 1), 3))
@@ -186,9 +195,12 @@ def test_same_bits_by_length(context, programs, library, medium, method, width, 
     m = MEDIA[medium](library)
     o, d, lengths = rays()
     device, _ = on_device(context, programs(width, single), m, library, method, (o, d, lengths), single=single, **options)
-    host = library.trace(m, o, d, length=lengths, method=method if method != "fixed" else "dopri5", single=single, **options)
+    host = library.trace(m, o, d, length=lengths, method=NAMES.get(method, method), single=single, **options)
     same(device, host, method == "exact")
-    assert np.all(host.status == 0)
+    captured = host.status == 13
+    assert np.all((host.status == 0) | captured)
+    # some rays fall into sources; in lanes of float a few come too near Eaton's centre for their coordinates
+    assert not captured.any() or medium == "sources" or (medium == "eaton" and method != "exact" and np.mean(captured) < 0.1)
 
 
 @pytest.mark.parametrize(("medium", "method"), TO_A_PLANE)
@@ -200,14 +212,15 @@ def test_same_bits_to_a_plane(context, programs, library, medium, method):
     d[:, 1] = np.where(o[:, 1] > 0, -1, 1) * (np.abs(d[:, 1]) + 0.5)
     plane = np.array([0.1, 0.05, 0.0]), np.array([0.0, 1.0, 0.0])
     device, positions = on_device(context, programs(8), m, library, method, (o, d, None), until=plane, path=5, **options)
-    host = library.trace(m, o, d, until=plane, method=method, path=5, **options)
+    host = library.trace(m, o, d, until=plane, method=NAMES.get(method, method), path=5, **options)
     same(device, host, method == "exact")
     np.testing.assert_array_equal(positions, host.paths)
     assert np.mean(host.status == 0) > 0.5
 
 
 @pytest.mark.parametrize("isa", ["baseline", "v3", "v4"])
-@pytest.mark.parametrize("medium", ["linear", "layered-cubic", "grid-linear", "grid-cubic", "shells-cubic", "expression", "sum"])
+@pytest.mark.parametrize("medium", ["linear", "layered-cubic", "grid-linear", "grid-cubic", "parabolic", "luneburg", "eaton", "sources",
+                                    "shells-cubic", "expression", "sum"])
 def test_instruction_sets_agree(library, medium, isa, tmp_path):
     """CPM_ISA=... in a process of its own, one thread: the bits of this process."""
     import subprocess

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from . import closed_forms, fields, layers, rays, splines
+from . import central, closed_forms, fields, layers, rays, splines
 
 DIRECTIONS = np.array([
     (1, 0.2, 0.1), (1, -0.3, 0), (0.4, 0.9, -0.3), (0.2, -0.8, 0.5), (-1, 0.05, 0.6), (0, 1, 0),
@@ -69,6 +69,14 @@ COARSE = np.array([-3.0, -1.2, -0.5, 0.1, 0.7, 1.3, 3.0])
 COARSE_N = np.array([1.20, 1.25, 1.22, 1.26, 1.30, 1.28, 1.31])
 STEP_HEIGHTS = np.array([-2.0, -1.0, -0.2, 0.4, 1.1, 2.0])
 STEP_N = np.array([1.35, 1.33, 1.30, 1.26, 1.20, 1.15])
+
+#: Centres, strengths, exponents, directions: two that attract, one that repels, a line.
+SOURCES = (
+    ((0.1, -1.0, 0.4), (-1.2, 1.5, 0.3), (1.6, 0.2, -0.9), (0.0, 0.0, -1.5)),
+    (0.2, 0.15, -0.1, 0.1),
+    (2.0, 1.0, 3.0, 1.5),
+    ((0, 0, 0), (0, 0, 0), (0, 0, 0), (1.0, 0.3, 0.0)),
+)
 
 GRID_SHAPE, GRID_ORIGIN, GRID_SPACING = (41, 49, 41), (-2.0, -2.4, -2.0), (0.1, 0.1, 0.1)
 SMALL_SHAPE, SMALL_ORIGIN, SMALL_SPACING = (9, 11, 9), (-2.0, -2.5, -2.0), (0.5, 0.5, 0.5)
@@ -167,6 +175,60 @@ def _cases():
         ((0, -0.5, 0), up),
         (0.4, -0.6, 0.1),
         smooth=False,
+    )
+    fibre = 1.5, 0.15, (0.2, 0.3, 1.0), BASE
+    yield Case(
+        "parabolic",
+        lambda cpm: cpm.media.Parabolic(1.5, 0.15, axis=fibre[2], origin=BASE),
+        fields.Parabolic(*fibre),
+        (0.5, 1, 0),
+        5.0,
+        floor,
+        (0.4, -0.6, 0.1),
+        functools.partial(central.parabolic, *fibre),
+        exact=True,
+    )
+    yield Case(
+        "luneburg",
+        lambda cpm: cpm.media.Luneburg(5.0, center=BASE),
+        fields.luneburg(5.0, BASE),
+        (0.5, 1, 0),
+        3.5,
+        floor,
+        (0.4, -0.6, 0.1),
+        functools.partial(central.luneburg, 5.0, BASE),
+        exact=True,
+    )
+    yield Case(
+        "fisheye",
+        lambda cpm: cpm.media.Fisheye(2.5, 1.6, center=BASE),
+        fields.fisheye(2.5, 1.6, BASE),
+        (0.5, 1, 0),
+        4.0,
+        floor,
+        (0.4, -0.6, 0.1),
+        functools.partial(central.fisheye, 2.5, 1.6, BASE),
+        exact=True,
+    )
+    yield Case(
+        "eaton",
+        lambda cpm: cpm.media.Eaton(5.0, center=BASE),
+        fields.eaton(5.0, BASE),
+        (0.5, 1, 0),
+        3.5,
+        ((0, 0.4, 0), up),
+        (0.4, -0.6, 0.1),
+        functools.partial(central.eaton, 5.0, BASE),
+        exact=True,
+    )
+    yield Case(
+        "sources",
+        lambda cpm: cpm.media.Sources(*SOURCES[:3], directions=SOURCES[3]),
+        fields.Sources(*SOURCES),
+        (0.5, 1, 0),
+        2.5,
+        floor,
+        (0.4, -0.6, 0.1),
     )
 
 

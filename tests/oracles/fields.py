@@ -77,6 +77,82 @@ class OfHeight:
 
 
 @dataclass(frozen=True)
+class Parabolic:
+    """n² = n²(1 − α²ρ²), ρ the distance from the axis through `origin`."""
+
+    n: float
+    alpha: float
+    axis: tuple = (0.0, 0.0, 1.0)
+    origin: tuple = (0.0, 0.0, 0.0)
+    max_step: float = np.inf
+
+    def __call__(self, r):
+        axis = vector(self.axis) / np.linalg.norm(self.axis)
+        y = r - vector(self.origin)
+        y = y - (y @ axis) * axis
+        return self.n**2 * (1 - self.alpha**2 * (y @ y)), -((self.n * self.alpha) ** 2) * y
+
+
+@dataclass(frozen=True)
+class OfRadius:
+    """n² = f(r), r = |r − center|; `f` returns (n², dn²/dr)."""
+
+    profile: object
+    center: tuple = (0.0, 0.0, 0.0)
+    max_step: float = np.inf
+
+    def __call__(self, r):
+        y = r - vector(self.center)
+        distance = np.linalg.norm(y)
+        square, slope = self.profile(distance)
+        return square, 0.5 * slope * y / distance if distance > 0 else np.zeros(3)
+
+
+def luneburg(radius, center=(0.0, 0.0, 0.0), **options):
+    """n² = 2 − r²/R² inside, 1 outside."""
+    inside = lambda r: (2 - (r / radius) ** 2, -2 * r / radius**2)  # noqa: E731
+    return OfRadius(lambda r: inside(r) if r < radius else (1.0, 0.0), center, **options)
+
+
+def fisheye(n, radius, center=(0.0, 0.0, 0.0), **options):
+    """n = n₀/(1 + r²/a²)."""
+
+    def profile(r):
+        w = 1 + (r / radius) ** 2
+        return (n / w) ** 2, -4 * n**2 * r / radius**2 / w**3
+
+    return OfRadius(profile, center, **options)
+
+
+def eaton(radius, center=(0.0, 0.0, 0.0), **options):
+    """n² = 2R/r − 1 inside, 1 outside."""
+    inside = lambda r: (2 * radius / r - 1, -2 * radius / r**2)  # noqa: E731
+    return OfRadius(lambda r: inside(r) if r < radius else (1.0, 0.0), center, **options)
+
+
+@dataclass(frozen=True)
+class Sources:
+    """n = 1 + Σ m/d^k; `directions` (K, 3) of lines, zero for points."""
+
+    centers: tuple
+    strengths: tuple
+    exponents: tuple
+    directions: tuple
+    max_step: float = np.inf
+
+    def __call__(self, r):
+        n, gradient = 1.0, np.zeros(3)
+        for c, m, k, d in zip(self.centers, self.strengths, self.exponents, self.directions, strict=True):
+            y, d = r - vector(c), vector(d)
+            if np.any(d):
+                y = y - (y @ d) * d / (d @ d)
+            distance = np.linalg.norm(y)
+            n += m / distance**k
+            gradient = gradient - k * m * y / distance ** (k + 2)
+        return n * n, n * gradient
+
+
+@dataclass(frozen=True)
 class OfIndex:
     """n = f(r) for any smooth `f` returning (n, ∇n)."""
 

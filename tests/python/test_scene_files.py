@@ -145,6 +145,16 @@ def test_defaults_without_a_render_table(tmp_path):
             cpm.media.Sum,
         ),
         ('type = "grid"\nvalues = "n.npy"\nspacing = [1, 1, 1]\ninterpolation = "linear"', cpm.media.Grid),
+        ('type = "parabolic"\nn = 1.5\nalpha = 0.2\naxis = [1, 0, 0]\norigin = [0, 1, 0]', cpm.media.Parabolic),
+        ('type = "luneburg"\nradius = 0.5\ncenter = [0, 1, 0]\ndispersion = "BK7"', cpm.media.Luneburg),
+        ('type = "fisheye"\nn = 2\nradius = 1.5', cpm.media.Fisheye),
+        ('type = "eaton"\nradius = 1', cpm.media.Eaton),
+        ('type = "sources"\ncenters = [[0, 1, 0]]\nstrengths = 0.1', cpm.media.Sources),
+        (
+            'type = "sources"\ncenters = [[0, 1, 0], [1, 1, 0]]\nstrengths = [0.1, -0.02]\nexponent = [2, 1.5]\n'
+            "directions = [[0, 0, 0], [0, 0, 1]]",
+            cpm.media.Sources,
+        ),
     ],
 )
 def test_media(tmp_path, text, kind):
@@ -172,6 +182,25 @@ constants = { e = -1e-5, d = 0.05 }
     points = [(0, 0.01, 0), (100, 5, 3)]
     for a, b in zip(load(tmp_path, ROOM + text).medium.evaluate(points), made.evaluate(points), strict=True):
         np.testing.assert_array_equal(a, b)
+
+
+def test_lenses_bring_their_bounds(tmp_path):
+    """[[media]] of a Luneburg or Eaton lens need no bounds; their numbers arrive where they belong."""
+    scene = load(tmp_path, ROOM + '[[media]]\ntype = "luneburg"\nradius = 0.5\ncenter = [0, 1, 0]\n'
+                                  '[[media]]\ntype = "eaton"\nradius = 0.2\ncenter = [0, 1.2, 2]\n')
+    assert [type(medium) for medium in scene.media] == [cpm.media.Luneburg, cpm.media.Eaton]
+    n, _ = scene.media[0].evaluate([(0, 1, 0), (0, 1.25, 0), (0, 2, 0)])
+    np.testing.assert_allclose(n, [np.sqrt(2), np.sqrt(1.75), 1])
+    # parallel light down the axis of the lens meets the floor through its focus, the antipode
+    rays = cpm.trace(scene, [(0.1, 2, 0), (0.2, 2, 0.1)], [(0, -1, 0)] * 2, wavelength=550.0, until=((0, 0.5, 0), (0, 1, 0)))
+    np.testing.assert_allclose(rays.position, [(0, 0.5, 0)] * 2, rtol=0, atol=1e-12)
+
+
+def test_sources_from_a_file(tmp_path):
+    scene = load(tmp_path, ROOM + '[medium]\ntype = "sources"\ncenters = [[0, 1, 0], [1, 1, 0]]\nstrengths = [0.1, -0.02]\n'
+                                  'exponent = [2, 1.5]\ndirections = [[0, 0, 0], [0, 0, 1]]\n')
+    n, _ = scene.medium.evaluate([(0, 1.5, 7)])
+    assert n[0] == pytest.approx(1 + 0.1 / (0.25 + 49) - 0.02 / np.sqrt(1.25) ** 1.5)
 
 
 def test_grid_of_densities_by_gladstone_dale(tmp_path):
@@ -351,6 +380,13 @@ WRONG = [
         "",
         "[[media]]",
     ),
+    (ROOM + '[medium]\ntype = "parabolic"\nn = 1.5\nalpha = -1.0\n', "medium", "-1", "alpha"),
+    (ROOM + '[medium]\ntype = "luneburg"\nradius = 0\n', "medium.radius", "0", "greater than 0"),
+    (ROOM + '[medium]\ntype = "eaton"\nradius = 1\nmass = 2\n', "medium.mass", "unknown key", "center"),
+    (ROOM + '[medium]\ntype = "sources"\ncenters = [[0,0,0]]\nstrengths = [1, 2]\n', "medium", "strengths", "(1,)"),
+    (ROOM + '[medium]\ntype = "sources"\ncenters = [[0,0,0]]\nstrengths = "big"\n', "medium.strengths", "'big'", "number"),
+    (ROOM + '[medium]\ntype = "sources"\ncenters = []\nstrengths = 1\n', "medium.centers", "", "at least 1"),
+    (ROOM + '[[media]]\ntype = "fisheye"\nn = 2\nradius = 1\n', "media[0].bounds", "missing", ""),
     (ROOM + '[[media]]\ntype = "linear"\nn = 1.3\ngradient = [0,0,0]\n', "media[0].bounds", "missing", ""),
     (
         ROOM + '[[media]]\ntype = "homogeneous"\nbounds = { shape = "roof" }\n',

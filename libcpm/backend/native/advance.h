@@ -22,7 +22,7 @@
 typedef struct cpm_lane_control {
     const cpm_medium_data *medium;
     const double *table;
-    int32_t method;           /* CPM_METHOD_EULER, _RK4 (needs step) or _DOPRI5; AUTO stands for DOPRI5 */
+    int32_t method;           /* a cpm_method that integrates (medium/method.h), neither AUTO nor EXACT */
     int32_t single_precision; /* 1: float lanes */
     double rtol, atol;        /* both as asked; rtol 0: the method's default */
     double step, max_step;    /* metres of arc; 0: none */
@@ -43,13 +43,14 @@ void cpm_lane_piece(const cpm_lane_rays *rays, int lane, cpm_piece *piece);
 /* Exact pieces, in cl/shared/exact.h (static inline, also OpenCL C):
  *
  *   int cpm_exact_next(const cpm_medium_data *medium, CPM_GLOBAL const double *table, double scale,
- *                      const double r[3], double p[3], double sigma_limit, double length0,
+ *                      const double r[3], double p[3], double sigma_limit, double least, double length0,
  *                      cpm_piece *piece, double *evaluations);
  *
  * The next piece of the exact path from (r, p), at most sigma_limit long (> 0, may be infinite where the medium has
  * natural breaks; the piece may then be infinite where the path is straight to infinity: give a limit), ended earlier
- * at a natural break (layer boundary; `linear`: where the quintic would leave the catenary by 1e-13). piece->r1, p1 are
- * the start of the next piece. Snell's law at a "step" interface is applied at the start of the piece beyond it, in p
+ * at a natural break (layer boundary, a lens's sphere, where |p| falls to `least` in fibre and fish-eye; `linear`,
+ * fibre and lenses: where the quintic would leave the curve by 1e-13). piece->r1, p1 are the start of the next piece.
+ * Snell's law at a "step" interface is applied at the start of the piece beyond it, in p
  * (so p is not const; piece->p0 is p after it): nothing else to call between pieces. Where r lies on a layer boundary,
  * p says which layer is entered; after a hit you may start from any (r, p) on the path. *evaluations grows by 1 a piece
  * of a layered medium, else by 0. Returns 0; nonzero where there is no closed form (cpm_medium_has_exact). length1 is

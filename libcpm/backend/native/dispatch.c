@@ -7,6 +7,7 @@
 #include "advance.h"
 #include "cpm/ray.h"
 #include "lanes.h"
+#include "medium/method.h"
 #include "parabolas.h"
 
 #ifndef CPM_ISA_COUNT
@@ -19,11 +20,14 @@
 
 #define LANES(isa)                                                                                                     \
     { cpm_range_trace_##isa, cpm_packet_begin_##isa, cpm_packet_attempt_##isa }
-static const cpm_lane_code codes[][2] = {
-    {LANES(baseline), LANES(single_baseline)},
+#define VARIANTS(isa)                                                                                                  \
+    { {LANES(isa), LANES(single_##isa)}, {LANES(any_##isa), LANES(any_single_##isa)} }
+/* by instruction set; linear fields and tables, any medium; double, single */
+static const cpm_lane_code codes[][2][2] = {
+    VARIANTS(baseline),
 #if CPM_ISA_COUNT > 1
-    {LANES(v3), LANES(single_v3)},
-    {LANES(v4), LANES(single_v4)},
+    VARIANTS(v3),
+    VARIANTS(v4),
 #endif
 };
 
@@ -71,15 +75,14 @@ const char *cpm_isa_text(cpm_isa isa) {
     return CPM_ISA_COUNT > 1 ? text[isa] : "generic";
 }
 
-const cpm_lane_code *cpm_lane_code_for(int single_precision) { return &codes[cpm_isa_chosen()][single_precision != 0]; }
+const cpm_lane_code *cpm_lane_code_for(int32_t kind, int single_precision) {
+    return &codes[cpm_isa_chosen()][kind > CPM_MEDIUM_GRID][single_precision != 0];
+}
 
 static cpm_step_control control_of(const cpm_lane_control *c) {
-    int euler = c->method == CPM_METHOD_EULER;
-    cpm_step_control s = {.method = c->method == CPM_METHOD_AUTO || c->method == CPM_METHOD_EXACT ? CPM_STEP_DOPRI5
-                                                                                                  : c->method,
-                          .rtol = c->rtol > 0.0 ? c->rtol
-                                  : euler       ? 1e-2
-                                                : 1e-6,
+    cpm_step_control s = {.method = c->method,
+                          .rtol = cpm_method_rtol(c->method, c->rtol),
+                          .dense = 1, /* surfaces are met between the ends */
                           .atol = c->atol,
                           .step = c->step,
                           .max_step = c->max_step > 0.0 ? c->max_step : CPM_INFINITE,
@@ -92,12 +95,12 @@ void cpm_lanes_start(const cpm_lane_control *control, cpm_lane_rays *rays, const
     cpm_step_control c = control_of(control);
     for (int i = 0; i < CPM_LANES; i++)
         if (fresh[i] && control->expected_length > 0.0) rays->expected[i] = control->expected_length;
-    cpm_lane_code_for(control->single_precision)->begin(&c, control->medium, control->table, rays, fresh);
+    cpm_lane_code_for(control->medium->kind, control->single_precision)->begin(&c, control->medium, control->table, rays, fresh);
 }
 
 void cpm_lanes_step(const cpm_lane_control *control, cpm_lane_rays *rays) {
     cpm_step_control c = control_of(control);
-    cpm_lane_code_for(control->single_precision)->attempt(&c, control->medium, control->table, rays);
+    cpm_lane_code_for(control->medium->kind, control->single_precision)->attempt(&c, control->medium, control->table, rays);
 }
 
 void cpm_lane_piece(const cpm_lane_rays *rays, int lane, cpm_piece *piece) { cpm_lanes_piece(rays, lane, piece); }

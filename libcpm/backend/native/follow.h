@@ -31,6 +31,7 @@ typedef void (*cpm_piece_sink)(void *user, size_t ray, const cpm_piece *piece, i
 
 typedef struct cpm_follow_options {
     int64_t max_evaluations; /* 0: default */
+    double max_step;         /* metres, of integrated rays; 0: the pass's */
     double far;              /* metres beyond which a straight ray is of no interest; it has LEFT there */
     cpm_piece_sink sink;     /* NULL: pieces are not kept */
     void *user;

@@ -7,13 +7,17 @@
 
 #define MAX_PIECES 100000 /* then evaluations_exhausted */
 
-/* Closed forms in sigma: discrete layers are straight, linear n^2 is a parabola; a catenary, and the
- * circular and hyperbolic paths of spherical layers, are stood for by quintics.
- */
+/* Closed forms in sigma: discrete layers are straight, linear n^2 is a parabola; catenaries, ellipses, and the paths of
+ * spherical layers are stood for by quintics. */
 static int degree_of(const cpm_medium_data *medium) {
-    const int layered = medium->kind == CPM_MEDIUM_LAYERED || medium->kind == CPM_MEDIUM_SHELLS;
-    if (layered && medium->interpolation == CPM_FIELD_STEP) return 1;
-    return medium->kind == CPM_MEDIUM_LINEAR || medium->kind == CPM_MEDIUM_SHELLS ? 5 : 2;
+    const int round = medium->kind == CPM_MEDIUM_SHELLS;
+    if ((medium->kind == CPM_MEDIUM_LAYERED || round) && medium->interpolation == CPM_FIELD_STEP) return 1;
+    return medium->kind == CPM_MEDIUM_LINEAR || round || cpm_is_central(medium) ? 5 : 2;
+}
+/* Outside its sphere a lens bends nothing. */
+static int is_straight(const cpm_piece *piece) {
+    const double *a = piece->g0, *b = piece->g1;
+    return a[0] == 0.0 && a[1] == 0.0 && a[2] == 0.0 && b[0] == 0.0 && b[1] == 0.0 && b[2] == 0.0;
 }
 
 /* The parabola of a linear n^2 without its arc length, which photons and eye rays do not ask for. */
@@ -78,7 +82,7 @@ void cpm_follow_exact(const cpm_pass *pass, const cpm_flight *flight, const cpm_
     arrival->status = n > 0.0 ? CPM_RAY_EVALUATIONS_EXHAUSTED : CPM_RAY_CUTOFF;
     if (!(n > 0.0)) return;
     double p[3] = {n * d[0], n * d[1], n * d[2]};
-    int degree = degree_of(&medium->data);
+    const int usual = degree_of(&medium->data);
     if (cpm_has_left(pass, flight, m, options, arrival)) return;
     for (int i = 0; i < MAX_PIECES; i++) {
         cpm_piece piece;
@@ -94,12 +98,13 @@ void cpm_follow_exact(const cpm_pass *pass, const cpm_flight *flight, const cpm_
             double inside = leaves_box(&pass->box, r, p, medium->data.axis, scale);
             double h = cpm_min(limit / speed, inside * (1.0 + 1e-6) + 1e-6 * pass->reach / speed);
             parabola(&medium->data, scale, r, p, h, &piece);
-        } else if (cpm_exact_next(&medium->data, medium->table, scale, r, p, limit / speed, length, &piece,
+        } else if (cpm_exact_next(&medium->data, medium->table, scale, r, p, limit / speed, 0.99e-6 * n, length, &piece,
                                   &arrival->evaluations))
             return;
+        const int degree = usual == 5 && is_straight(&piece) ? 1 : usual;
         double turn = degree == 2 ? cut_off(&piece, n) : INFINITY;
         if (turn < piece.h) /* again, no further than there */
-            cpm_exact_next(&medium->data, medium->table, scale, r, p, turn, length, &piece, &arrival->evaluations);
+            cpm_exact_next(&medium->data, medium->table, scale, r, p, turn, 0.0, length, &piece, &arrival->evaluations);
         cpm_curve curve = cpm_curve_from_piece(&piece, degree);
         double theta = cpm_end_of_piece(pass, flight, &curve, arrival);
         arrival->steps += 1.0;

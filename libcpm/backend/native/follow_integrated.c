@@ -53,7 +53,7 @@ static void retire_lane(lane_queue *q, int lane) {
     arrival->rejected = rays->rejected[lane];
     arrival->drift = rays->drift[lane];
     arrival->error = rays->error[lane];
-    arrival->method = q->control.method == CPM_METHOD_AUTO ? CPM_METHOD_DOPRI5 : q->control.method;
+    arrival->method = q->control.method;
     const cpm_medium *medium = q->pass->scene->media[q->medium].medium;
     const double e[3] = {arrival->hit.position.x, arrival->hit.position.y, arrival->hit.position.z};
     arrival->n = cpm_medium_n(medium, rays->scale[lane], e);
@@ -96,11 +96,11 @@ void cpm_follow_integrated(const cpm_pass *pass, const cpm_flight *flights, size
         .pass = pass, .flights = flights, .options = options, .arrivals = arrivals, .count = count, .medium = medium};
     q.control = (cpm_lane_control){.medium = &pass->scene->media[medium].medium->data,
                                    .table = pass->scene->media[medium].medium->table,
-                                   .method = o->method == CPM_METHOD_EXACT ? CPM_METHOD_AUTO : o->method,
+                                   .method = pass->method[medium],
                                    .rtol = o->rtol,
                                    .atol = o->atol,
                                    .step = o->step,
-                                   .max_step = o->max_step,
+                                   .max_step = options && options->max_step > 0.0 ? options->max_step : o->max_step,
                                    .expected_length = pass->reach,
                                    .max_evaluations = options ? options->max_evaluations : 0};
     for (int lane = 0; lane < CPM_LANES; lane++) q.owner[lane] = count, q.rays.status[lane] = CPM_RAY_ARRIVED;

@@ -19,13 +19,15 @@ typedef struct cpm_lane_code {
                                   const int64_t *);                                                                    \
     void cpm_packet_attempt##suffix(const cpm_step_control *, const cpm_medium_data *, const double *, cpm_lane_rays *);
 
-CPM_DECLARE_LANES(_baseline)
-CPM_DECLARE_LANES(_single_baseline)
-CPM_DECLARE_LANES(_v3)
-CPM_DECLARE_LANES(_single_v3)
-CPM_DECLARE_LANES(_v4)
-CPM_DECLARE_LANES(_single_v4)
+#define CPM_DECLARE_ISA(isa)                                                                                           \
+    CPM_DECLARE_LANES(_##isa)                                                                                          \
+    CPM_DECLARE_LANES(_single_##isa)                                                                                   \
+    CPM_DECLARE_LANES(_any_##isa)                                                                                      \
+    CPM_DECLARE_LANES(_any_single_##isa)
+CPM_DECLARE_ISA(baseline)
+CPM_DECLARE_ISA(v3)
+CPM_DECLARE_ISA(v4)
 
-/* The code for this machine. */
-const cpm_lane_code *cpm_lane_code_for(int single_precision);
+/* The code for this machine and a kind of medium. */
+const cpm_lane_code *cpm_lane_code_for(int32_t kind, int single_precision);
 #endif

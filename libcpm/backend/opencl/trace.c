@@ -27,9 +27,7 @@ static void release(const cpm_opencl *o, slice_buffers *b) {
 static cl_int buffer(const cpm_opencl *o, slice_buffers *b, int which, cl_mem_flags flags, size_t size,
                      const void *contents) {
     cl_int code = CL_SUCCESS;
-    b->buffer[which] = o->cl->CreateBuffer(o->context, flags | (contents ? CL_MEM_COPY_HOST_PTR : 0), size ? size : 8,
-                                           contents ? (void *)(uintptr_t)contents : NULL, &code);
-    if (code != CL_SUCCESS) b->buffer[which] = NULL;
+    b->buffer[which] = cpm_opencl_buffer(o, flags, size, contents, &code);
     return code;
 }
 
@@ -45,11 +43,12 @@ static int64_t slice_of(const cpm_opencl *o, int64_t samples, int64_t count) {
 }
 
 /* One packet a ray on a processor, as wide as its registers may be; single rays elsewhere: there lanes are threads. */
-static void options_of(const cpm_opencl *o, const cpm_medium *medium, int single, char *options, size_t size) {
+static void options_of(const cpm_opencl *o, const cpm_medium *medium, int32_t method, int single, char *options,
+                       size_t size) {
     snprintf(options, size,
              "-cl-std=CL1.2 -cl-fp32-correctly-rounded-divide-sqrt -DCPM_WIDTH=%d -DCPM_SINGLE=%d "
-             "-DCPM_MEDIA=%u",
-             o->is_cpu ? 8 : 1, single != 0, (unsigned)cpm_medium_kinds(medium));
+             "-DCPM_MEDIA=%u -DCPM_METHODS=%u",
+             o->is_cpu ? 8 : 1, single != 0, (unsigned)cpm_medium_kinds(medium), 1u << method);
 }
 
 static cl_int set_arguments(const cpm_opencl *o, cl_kernel kernel, const slice_buffers *b, int64_t samples,
@@ -105,16 +104,14 @@ cpm_status cpm_opencl_trace(cpm_context *context, const cpm_medium *medium, cons
     cl_kernel kernel = NULL;
     slice_buffers b = {{0}};
     const int64_t slice = slice_of(o, samples, count);
-    options_of(o, medium, single_precision, options, sizeof options);
-    while (atomic_flag_test_and_set_explicit(&o->lock, memory_order_acquire)) {}
+    options_of(o, medium, control->method, single_precision, options, sizeof options);
+    cpm_opencl_lock(o);
     cpm_status status = cpm_program_kernel(context, "trace", "cpm_trace", options, &kernel);
     if (status == CPM_OK) {
-        static const double nothing[1] = {0.0};
         const size_t rays = (size_t)slice, path = (size_t)samples * 3 * sizeof(double);
         cl_int code = buffer(o, &b, MEDIUM, CL_MEM_READ_ONLY, sizeof medium->data, &medium->data);
         if (code == CL_SUCCESS)
-            code = buffer(o, &b, TABLE, CL_MEM_READ_ONLY, medium->table_count ? medium->table_count * 8 : 8,
-                          medium->table_count ? medium->table : nothing);
+            code = buffer(o, &b, TABLE, CL_MEM_READ_ONLY, medium->table_count * sizeof(double), medium->table);
         if (code == CL_SUCCESS) code = buffer(o, &b, CONTROL, CL_MEM_READ_ONLY, sizeof *control, control);
         if (code == CL_SUCCESS) code = buffer(o, &b, GOAL, CL_MEM_READ_ONLY, sizeof *goal, goal);
         if (code == CL_SUCCESS) code = buffer(o, &b, STARTS, CL_MEM_READ_ONLY, rays * sizeof *starts, NULL);
@@ -125,7 +122,7 @@ cpm_status cpm_opencl_trace(cpm_context *context, const cpm_medium *medium, cons
                      : cpm_opencl_failed(context, o, "making buffers", code);
         release(o, &b);
     }
-    atomic_flag_clear_explicit(&o->lock, memory_order_release);
+    cpm_opencl_unlock(o);
     return status;
 }
 #else

@@ -5,7 +5,9 @@
  *
  * Dispersion of a varying medium: its own numbers hold at the d line, 587.5618 nm. A medium defined by n (linear, grid,
  * layered cubic and step) scales its refractivity n - 1 by (D(w) - 1)/(D(d) - 1); one defined by n^2 (linear-squared,
- * layered linear-squared) scales n^2 - 1 by (D(w)^2 - 1)/(D(d)^2 - 1), so that its exact paths stay exact.
+ * layered linear-squared, parabolic, Luneburg, Eaton) scales n^2 - 1 by (D(w)^2 - 1)/(D(d)^2 - 1), so that its exact
+ * paths stay exact; the index at the centre of a fish-eye scales, for the same reason. A wavelength at which the scale
+ * would make another kind of field of a lens (an Eaton lens at half of n^2 - 1 or less) is refused when it is used.
  * A homogeneous medium made from a dispersion alone has n = D(w). */
 #ifndef CPM_MEDIUM_H
 #define CPM_MEDIUM_H
@@ -86,6 +88,35 @@ typedef struct cpm_grid_desc {
 CPM_API cpm_status cpm_medium_create_grid(cpm_context *context, const cpm_grid_desc *desc,
                                           const cpm_dispersion *dispersion, cpm_medium **medium);
 
+/* Lenses and fibre. `axis` and `center` NULL: +z and the origin. */
+/* n^2 = n0^2 (1 - alpha^2 rho^2), rho the distance from the axis through `origin`; alpha >= 0, 1/m. A graded-index fibre:
+ * n^2 <= 0 beyond rho = 1/alpha, where rays end, cut off. `axis` need not be unit. */
+CPM_API cpm_status cpm_medium_create_parabolic(cpm_context *context, double n, double alpha, const double *axis,
+                                               const double *origin, const cpm_dispersion *dispersion,
+                                               cpm_medium **medium);
+/* n^2 = 2 - r^2/R^2 within the radius R, 1 outside. */
+CPM_API cpm_status cpm_medium_create_luneburg(cpm_context *context, double radius, const double *center,
+                                              const cpm_dispersion *dispersion, cpm_medium **medium);
+/* Maxwell's fish-eye: n = n0/(1 + r^2/a^2), a the radius. */
+CPM_API cpm_status cpm_medium_create_fisheye(cpm_context *context, double n, double radius, const double *center,
+                                             const cpm_dispersion *dispersion, cpm_medium **medium);
+/* n^2 = 2 R/r - 1 within the radius R, 1 outside. Every ray leaves antiparallel to how it came; in closed form also one
+ * straight at the centre, where n has no bound; an integrated one that comes too near has CPM_RAY_CAPTURED. */
+CPM_API cpm_status cpm_medium_create_eaton(cpm_context *context, double radius, const double *center,
+                                           const cpm_dispersion *dispersion, cpm_medium **medium);
+
+/* Gravity centres and lines: n = 1 + sum m_i/d_i^k_i, d_i the distance from a point or an infinite line, metres. */
+typedef struct cpm_sources_desc {
+    size_t struct_size;
+    size_t count;             /* >= 1 */
+    const double *centers;    /* count x 3, metres: the points; on lines any of their points */
+    const double *directions; /* count x 3, of the lines, need not be unit; 0 0 0: a point. NULL: points all */
+    const double *strengths;  /* count; m, metres^k; > 0 attracts */
+    const double *exponents;  /* count; k, in (0, 64] */
+} cpm_sources_desc;
+/* A ray that falls into an attracting source ends with CPM_RAY_CAPTURED. */
+CPM_API cpm_status cpm_medium_create_sources(cpm_context *context, const cpm_sources_desc *desc,
+                                             const cpm_dispersion *dispersion, cpm_medium **medium);
 /* A formula, as a program: instructions over registers that leave the refractivity N = n - 1 and its gradient in four of
  * them. Registers 0 to 4 hold x, y, z (metres), r = sqrt(x^2 + y^2 + z^2) and the wavelength (nm); those from 5 to 127 are
  * free, each written before it is read. A value that is NaN or infinite, or n <= 0, met on the way ends the ray (CUTOFF).

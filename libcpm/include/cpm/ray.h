@@ -17,7 +17,11 @@ typedef enum cpm_method {
     CPM_METHOD_EXACT = 1,
     CPM_METHOD_EULER = 2, /* Euler with Richardson extrapolation: the paper's */
     CPM_METHOD_RK4 = 3,
-    CPM_METHOD_DOPRI5 = 4
+    CPM_METHOD_DOPRI5 = 4,
+    CPM_METHOD_NYSTROM = 5,  /* Runge-Kutta-Nystrom pairs 6(4) and 8(6), by tolerance */
+    CPM_METHOD_ADAMS = 6,    /* Adams-Bashforth-Moulton, step and order (1 to 12) variable */
+    CPM_METHOD_LEAPFROG = 7, /* symplectic, second order, fixed steps */
+    CPM_METHOD_YOSHIDA6 = 8  /* symplectic, sixth order, fixed steps */
 } cpm_method;
 
 typedef enum cpm_error_mode {

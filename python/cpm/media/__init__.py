@@ -6,28 +6,40 @@
 ``Linear``          n linear in position                          exact: catenaries
 ``Layered``         table of height, flat or spherical            exact where ``"linear-squared"``
 ``Grid``            samples on a grid                             integrated
+``Parabolic``       n² = n₀²(1 − α²ρ²), a fibre                   exact: sinusoids
+``Luneburg``        n² = 2 − r²/R² in a ball                      exact: ellipses
+``Fisheye``         n = n₀/(1 + r²/a²)                            exact: circles
+``Eaton``           n² = 2R/r − 1 in a ball                       exact: Kepler's ellipses
+``Sources``         1 + Σ m/dᵏ, points and lines                  integrated
 ``Expression``      a formula in x, y, z, r, wavelength           integrated
 ``Sum``             ``a + b``: refractivities added               integrated
 ==================  ============================================  ==============================
-
-One module a medium: parabolic, Luneburg, fish-eye, Eaton, sources and atmospheres take their places beside these.
 """
 from ._base import Medium, as_medium
 from .expression import Expression
+from .fisheye import Fisheye
 from .grid import Grid
 from .homogeneous import Homogeneous
 from .layered import Layered
+from .lenses import Eaton, Luneburg
 from .linear import Linear, LinearSquared
+from .parabolic import Parabolic
+from .sources import Sources
 from .sum import Sum
 
 __all__ = [
+    "Eaton",
     "Expression",
+    "Fisheye",
     "Grid",
     "Homogeneous",
     "Layered",
     "Linear",
     "LinearSquared",
+    "Luneburg",
     "Medium",
+    "Parabolic",
+    "Sources",
     "Sum",
     "as_medium",
 ]

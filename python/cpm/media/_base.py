@@ -66,6 +66,10 @@ class Medium:
         """``sum(media)`` starts at 0."""
         return self if isinstance(other, int) and other == 0 else NotImplemented
 
+    def _own_bounds(self) -> Bounds | None:
+        """Where it is in a scene's list if it was given no bounds; None: it must be given some."""
+        return None
+
     def __repr__(self) -> str:
         shown = [f"{name}={value!r}" for name, value in vars(self).items()
                  if not name.startswith("_") and value is not None and not hasattr(value, "shape")]

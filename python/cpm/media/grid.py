@@ -61,3 +61,6 @@ class Grid(Medium):
         """The box of the samples; ValueError where it is flat (one sample along an axis)."""
         size = (np.array(self.shape) - 1) * self.spacing
         return Box(self.origin, np.add(self.origin, size))
+
+    def _own_bounds(self) -> Box:
+        return self.box

@@ -170,6 +170,16 @@ class _Builder:
                         raise SceneFileError(self.path, f"{key}.dispersion", "is each term's own; a sum has none")
                     terms = [self.medium(term, f"{key}.terms[{i}]") for i, term in enumerate(table.terms)]
                     return media.Sum(*terms, bounds=bounds)
+                case models.ParabolicTable():
+                    return media.Parabolic(table.n, table.alpha, table.axis, table.origin, **common)
+                case models.LuneburgTable():
+                    return media.Luneburg(table.radius, table.center, **common)
+                case models.FisheyeTable():
+                    return media.Fisheye(table.n, table.radius, table.center, **common)
+                case models.EatonTable():
+                    return media.Eaton(table.radius, table.center, **common)
+                case models.SourcesTable():
+                    return media.Sources(table.centers, table.strengths, table.exponent, table.directions, **common)
                 case _:
                     return self.grid(table, key, common)
 
@@ -197,8 +207,8 @@ class _Builder:
                     bounds = Sphere(table.bounds.center, table.bounds.radius)
                 case models.ShapeBounds():
                     bounds = self.shape(table.bounds.shape, f"{key}.bounds.shape")
-                case _ if isinstance(table, models.GridTable):
-                    bounds = None  # the box of its samples
+                case _ if isinstance(table, (models.GridTable, models.LuneburgTable, models.EatonTable)):
+                    bounds = None  # the box of its samples, the lens's sphere
                 case _:
                     raise SceneFileError(self.path, f"{key}.bounds", "is missing")
         with self.at(key):

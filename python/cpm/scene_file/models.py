@@ -56,6 +56,16 @@ ANumber = Annotated[Number, Tag("<number>")]
 AName = Annotated[Text, Tag("<name>")]
 
 
+def _numbers_kind(value: Any) -> str | None:
+    return "<list>" if isinstance(value, list) else "<number>" if _kind(value) == "<number>" else None
+
+
+#: One for all or one for each.
+Numbers = Annotated[
+    ANumber | Annotated[list[Number], Tag("<list>")],
+    Discriminator(_numbers_kind, custom_error_type="kind", custom_error_message="must be a number or a list of numbers")]
+
+
 def _exactly_one(table: Table, *names: str) -> None:
     given = [name for name in names if getattr(table, name) is not None]
     if len(given) != 1:
@@ -201,12 +211,52 @@ class GridTable(MediumTable):
     gladstone_dale: Positive | None = None
 
 
+class ParabolicTable(MediumTable):
+    type: Literal["parabolic"]
+    n: Number
+    alpha: Number
+    axis: Vector = (0.0, 0.0, 1.0)
+    origin: Vector = (0.0, 0.0, 0.0)
+
+
+class LuneburgTable(MediumTable):
+    type: Literal["luneburg"]
+    radius: Positive
+    center: Vector = (0.0, 0.0, 0.0)
+
+
+class FisheyeTable(MediumTable):
+    type: Literal["fisheye"]
+    n: Number
+    radius: Positive
+    center: Vector = (0.0, 0.0, 0.0)
+
+
+class EatonTable(MediumTable):
+    type: Literal["eaton"]
+    radius: Positive
+    center: Vector = (0.0, 0.0, 0.0)
+
+
+class SourcesTable(MediumTable):
+    type: Literal["sources"]
+    centers: Annotated[list[Vector], Field(min_length=1)]
+    strengths: Numbers
+    exponent: Numbers = 2.0
+    directions: list[Vector] | None = None
+
+
 AnyMedium = Annotated[
     HomogeneousTable
     | LinearSquaredTable
     | LinearTable
     | LayeredTable
     | GridTable
+    | ParabolicTable
+    | LuneburgTable
+    | FisheyeTable
+    | EatonTable
+    | SourcesTable
     | ExpressionTable
     | SumTable,
     Field(discriminator="type")]
