@@ -34,7 +34,7 @@ std::shared_ptr<Medium> make_medium(Create &&create) {
 }
 
 std::shared_ptr<Medium> make_layered(const Doubles &heights, const Doubles &n, const Point &up, const Point &origin,
-                                     int32_t interpolation, const cpm_dispersion *dispersion) {
+                                     double radius, int32_t interpolation, const cpm_dispersion *dispersion) {
     cpm_layered_desc desc{};
     desc.struct_size = sizeof desc;
     desc.heights = heights.data();
@@ -43,6 +43,7 @@ std::shared_ptr<Medium> make_layered(const Doubles &heights, const Doubles &n, c
     std::copy(up.begin(), up.end(), desc.up);
     std::copy(origin.begin(), origin.end(), desc.origin);
     desc.interpolation = interpolation;
+    desc.radius = radius;
     return make_medium([&](cpm_context *context, cpm_medium **medium) {
         return cpm_medium_create_layered(context, &desc, dispersion, medium);
     });
@@ -63,6 +64,38 @@ std::shared_ptr<Medium> make_grid(const py::array_t<double, py::array::forcecast
     desc.interpolation = interpolation;
     return make_medium([&](cpm_context *context, cpm_medium **medium) {
         return cpm_medium_create_grid(context, &desc, dispersion, medium);
+    });
+}
+
+/* codes (count, 5): operation, target, a, b, c; constants (count, 2): k, l. */
+std::shared_ptr<Medium> make_expression(const py::array_t<int32_t, py::array::c_style | py::array::forcecast> &codes,
+                                        const Doubles &constants, const std::array<int32_t, 4> &results, double feature,
+                                        const cpm_dispersion *dispersion) {
+    if (codes.ndim() != 2 || codes.shape(1) != 5 || constants.ndim() != 2 || constants.shape(1) != 2 ||
+        constants.shape(0) != codes.shape(0))
+        throw py::value_error("a program is (count, 5) codes and (count, 2) constants");
+    std::vector<cpm_instruction> instructions(static_cast<size_t>(codes.shape(0)));
+    for (py::ssize_t i = 0; i < codes.shape(0); i++) {
+        cpm_instruction &instruction = instructions[static_cast<size_t>(i)];
+        instruction = {codes.at(i, 0), codes.at(i, 1), codes.at(i, 2),     codes.at(i, 3),
+                       codes.at(i, 4), 0,              constants.at(i, 0), constants.at(i, 1)};
+    }
+    cpm_expression_desc desc{};
+    desc.struct_size = sizeof desc;
+    desc.instructions = instructions.data();
+    desc.count = instructions.size();
+    std::copy(results.begin(), results.end(), desc.results);
+    desc.feature = feature;
+    return make_medium([&](cpm_context *context, cpm_medium **medium) {
+        return cpm_medium_create_expression(context, &desc, dispersion, medium);
+    });
+}
+
+std::shared_ptr<Medium> make_sum(const std::vector<std::shared_ptr<Medium>> &terms) {
+    std::vector<cpm_medium *> handles;
+    for (const auto &term : terms) handles.push_back(term->handle.get());
+    return make_medium([&](cpm_context *context, cpm_medium **medium) {
+        return cpm_medium_create_sum(context, handles.data(), handles.size(), medium);
     });
 }
 
@@ -188,8 +221,11 @@ void bind_medium(py::module_ &module) {
         arg("radius"), arg("center"), arg("dispersion").none(true));
     module.def("sources", &make_sources, arg("centers"), arg("directions"), arg("strengths"), arg("exponents"),
                arg("dispersion").none(true));
-    module.def("layered", &make_layered, arg("heights"), arg("n"), arg("up"), arg("origin"), arg("interpolation"),
+    module.def("layered", &make_layered, arg("heights"), arg("n"), arg("up"), arg("origin"), arg("radius"),
+               arg("interpolation"), arg("dispersion").none(true));
+    module.def("expression", &make_expression, arg("codes"), arg("constants"), arg("results"), arg("feature"),
                arg("dispersion").none(true));
+    module.def("sum", &make_sum, arg("terms"));
     module.def("grid", &make_grid, arg("values"), arg("origin"), arg("spacing"), arg("interpolation"),
                arg("dispersion").none(true));
 }

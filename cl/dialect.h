@@ -89,6 +89,7 @@ static inline double cpm_double_of(cpm_u64 bits) {
         */
 
 #define CPM_INLINE static inline
+#define CPM_ALWAYS_INLINE static inline __attribute__((always_inline)) /* where a call would cost more than it saves */
 /* A function that is not worth room in its caller's registers and code. */
 #if defined(__GNUC__) || defined(__clang__)
 #define CPM_APART static __attribute__((noinline, unused))
@@ -422,6 +423,33 @@ CPM_INLINE mask load_flags(const cpm_i64 *p, int part) {
 CPM_INLINE void store_flags(mask v, cpm_i64 *p, int part) {
     cpm_flags d = __builtin_convertvector(v, cpm_flags);
     memcpy(p + part * CPM_WIDTH, &d, sizeof d);
+}
+#endif
+/* Lanes of double whatever the precision: what a ray's state is added up in, so that float steps lose nothing to it. */
+#if CPM_WIDTH == 1
+typedef double broad;
+#define to_broad(v) ((double)(v))
+#define load_broad(p, part) ((p)[part])
+#define store_broad(v, p, part) ((p)[part] = (v))
+#define root_broad(v) cpm_sqrt(v)
+#elif defined(__OPENCL_VERSION__)
+typedef CPM_GLUE(double, CPM_WIDTH) broad;
+#define to_broad(v) CPM_GLUE(convert_double, CPM_WIDTH)(v)
+#define load_broad(p, part) CPM_GLUE(vload, CPM_WIDTH)(part, p)
+#define store_broad(v, p, part) CPM_GLUE(vstore, CPM_WIDTH)(v, part, p)
+#define root_broad(v) sqrt(v)
+#else
+typedef cpm_doubles broad;
+#define to_broad(v) __builtin_convertvector(v, broad)
+CPM_INLINE broad load_broad(const double *p, int part) {
+    broad v;
+    memcpy(&v, p + part * CPM_WIDTH, sizeof v);
+    return v;
+}
+CPM_INLINE void store_broad(broad v, double *p, int part) { memcpy(p + part * CPM_WIDTH, &v, sizeof v); }
+CPM_INLINE broad root_broad(broad v) {
+    for (int i = 0; i < CPM_WIDTH; i++) v[i] = sqrt(v[i]);
+    return v;
 }
 #endif
 #define load3_doubles(p, part)                                                                                         \

@@ -38,7 +38,8 @@ CPM_INLINE E_REAL E_NAME(exp)(E_REAL x) {
 
 CPM_INLINE E_REAL E_NAME(log)(E_REAL x) {
     /* The exponent k that leaves m = x/2^k in [sqrt(1/2), sqrt 2): subtract the bits of sqrt(1/2), keep the top. */
-    E_INT bits = E_BITS(x);
+    E_REAL sound = E_PICK(E_TRUE(x > E_C(0.0)), x, E_C(1.0) + E_C(0.0) * x); /* the bits of -0 would overflow below */
+    E_INT bits = E_BITS(sound);
 #if E_IS_DOUBLE
     E_INT k = (bits - 0x3FE6A09E667F3BCDL) >> 52;
 #else

@@ -1,5 +1,5 @@
-/* shared/exact.h: closed forms of whole paths: straight, parabola, catenary, layers, ellipses. Scalar double on both
- * sides.
+/* shared/exact.h: closed forms of whole paths: straight, parabola, catenary, layers flat and round, ellipses. Scalar
+ * double on both sides.
  *
  * A path is a chain of segments, each exact over any part of it; only layered media and lenses need more than one.
  * cpm_exact_next gives it in the pieces of types/ray.h for geometry, cpm_exact_trace ends it at an arc length or a
@@ -11,10 +11,12 @@
 #include "exact_catenary.h"
 #include "exact_central.h"
 #include "exact_layers.h"
+#include "exact_shells.h"
 
 #define CPM_SEGMENT_PARABOLA 0 /* straight where g = 0 */
 #define CPM_SEGMENT_CATENARY 1
 #define CPM_SEGMENT_ELLIPSE 2
+#define CPM_SEGMENT_HARMONIC 3 /* a spherical layer */
 
 typedef struct cpm_segment {
     double r[3], p[3], g[3]; /* start; g: half grad n^2, or grad n of a catenary */
@@ -24,6 +26,7 @@ typedef struct cpm_segment {
     int to_sphere, padding;  /* it ends on the lens's sphere */
     cpm_split split;
     cpm_ellipse ellipse;
+    cpm_harmonic harmonic;   /* of a spherical layer */
 } cpm_segment;
 
 /* Never, for the compiler too, where no medium with such paths is compiled in. */
@@ -53,6 +56,7 @@ CPM_INLINE int cpm_segment_start(const cpm_medium_data *m, CPM_GLOBAL const doub
     s->face = CPM_EXACT_INFINITE;
     s->shape = CPM_SEGMENT_PARABOLA;
     s->counted = s->to_sphere = 0;
+    s->harmonic.c = s->harmonic.w = 0.0;
     for (int k = 0; k < 3; k++) s->g[k] = 0.0;
     if (!m->uniform) {
         if (m->kind == CPM_MEDIUM_LINEAR_SQUARED || m->kind == CPM_MEDIUM_LINEAR) {
@@ -61,6 +65,11 @@ CPM_INLINE int cpm_segment_start(const cpm_medium_data *m, CPM_GLOBAL const doub
         } else if (m->kind == CPM_MEDIUM_LAYERED && m->interpolation != CPM_FIELD_CUBIC) {
             s->sigma = cpm_layer_parabola(m, table, scale, r, p, s->g, sigma_limit, &s->face);
             s->counted = 1;
+        } else if (m->kind == CPM_MEDIUM_SHELLS && m->interpolation != CPM_FIELD_CUBIC) {
+            s->harmonic = cpm_shell_path(m, table, scale, r, p, sigma_limit, &s->sigma, &s->face);
+            s->counted = 1;
+            s->shape = CPM_SEGMENT_HARMONIC;
+            for (int k = 0; k < 3; k++) s->g[k] = s->harmonic.c * s->harmonic.out[k];
         } else if (cpm_is_central(m))
             cpm_segment_central(m, scale, r, p, sigma_limit, s);
         else
@@ -76,6 +85,10 @@ CPM_INLINE void cpm_segment_snap(const cpm_medium_data *m, const cpm_segment *s,
     double rounding;
     if (cpm_is_ball(m) && s->to_sphere) cpm_ball_snap(m, r);
     if (!(s->face < CPM_EXACT_INFINITE)) return;
+    if (s->shape == CPM_SEGMENT_HARMONIC) {
+        cpm_shell_snap(m, s->face, r);
+        return;
+    }
     double off = s->face - cpm_height_of(m, r, &rounding);
     for (int k = 0; k < 3; k++) r[k] += off * m->axis[k];
 }
@@ -110,6 +123,13 @@ CPM_INLINE int cpm_exact_next(const cpm_medium_data *m, CPM_GLOBAL const double 
     else if (s.shape == CPM_SEGMENT_CATENARY) {
         piece->h = fmin(s.sigma, CPM_CATENARY_PIECE / s.split.gamma);
         length = cpm_catenary_after(&s.split, r, piece->h, piece->r1, piece->p1);
+    } else if (s.shape == CPM_SEGMENT_HARMONIC) {
+        double most = s.harmonic.w > 0.0 ? CPM_HARMONIC_PIECE / s.harmonic.w : CPM_EXACT_INFINITE;
+        if (piece->h > most) piece->h = most, s.face = CPM_EXACT_INFINITE;
+        cpm_harmonic_at(&s.harmonic, r, p, piece->h, piece->r1, piece->p1);
+        cpm_segment_snap(m, &s, piece->r1);
+        length = cpm_harmonic_length(&s.harmonic, piece->h);
+        for (int k = 0; k < 3; k++) piece->g1[k] = s.g[k] + s.harmonic.c * (piece->r1[k] - r[k]);
     } else {
         cpm_parabola_at(r, p, s.g, s.sigma, piece->r1, piece->p1);
         cpm_segment_snap(m, &s, piece->r1);
@@ -129,6 +149,13 @@ CPM_INLINE int cpm_exact_next(const cpm_medium_data *m, CPM_GLOBAL const double 
 /* The arc length at which |p| falls to 1e-6 of n_start (p turning back through 0), else CPM_EXACT_INFINITE. */
 CPM_INLINE double cpm_segment_cutoff(const cpm_medium_data *m, const cpm_segment *s, double n_start) {
     double least = 1e-6 * n_start;
+    if (s->shape == CPM_SEGMENT_HARMONIC) {
+        const cpm_harmonic *h = &s->harmonic;
+        if (h->c == 0.0) return CPM_EXACT_INFINITE;
+        double rise = (least * least - h->square) / h->c, x = CPM_EXACT_INFINITE;
+        if (h->rho2 + rise > 0.0) x = cpm_harmonic_reach(h, rise, 0);
+        return x < CPM_EXACT_INFINITE && x <= s->sigma ? cpm_harmonic_length(h, x) : CPM_EXACT_INFINITE;
+    }
     if (cpm_is_ellipse(s)) {
         double x = cpm_central_cutoff(m, &s->ellipse, least);
         return x < CPM_EXACT_INFINITE ? cpm_ellipse_arc(&s->ellipse, x) : CPM_EXACT_INFINITE;
@@ -143,7 +170,9 @@ CPM_INLINE double cpm_segment_length(const cpm_segment *s) {
     if (s->shape == CPM_SEGMENT_CATENARY) return CPM_EXACT_INFINITE;
     if (cpm_is_ellipse(s))
         return s->ellipse.end < CPM_EXACT_INFINITE ? cpm_ellipse_arc(&s->ellipse, s->ellipse.end) : CPM_EXACT_INFINITE;
-    return s->sigma < CPM_EXACT_INFINITE ? cpm_momentum_integral(&s->split, s->sigma) : CPM_EXACT_INFINITE;
+    if (!(s->sigma < CPM_EXACT_INFINITE)) return CPM_EXACT_INFINITE;
+    if (s->shape == CPM_SEGMENT_HARMONIC) return cpm_harmonic_length(&s->harmonic, s->sigma);
+    return cpm_momentum_integral(&s->split, s->sigma);
 }
 /* Point and momentum after an arc length; returns the optical path up to there. `whole`: to its natural end. */
 CPM_INLINE double cpm_segment_at(const cpm_medium_data *m, const cpm_segment *s, double length, int whole, double r[3],
@@ -151,6 +180,12 @@ CPM_INLINE double cpm_segment_at(const cpm_medium_data *m, const cpm_segment *s,
     if (s->shape == CPM_SEGMENT_CATENARY) {
         cpm_catenary_at(&s->split, s->r, length, r, p);
         return cpm_momentum_integral(&s->split, length);
+    }
+    if (s->shape == CPM_SEGMENT_HARMONIC) {
+        double x = whole ? s->sigma : cpm_harmonic_inverse(&s->harmonic, length, s->sigma);
+        cpm_harmonic_at(&s->harmonic, s->r, s->p, x, r, p);
+        if (whole) cpm_segment_snap(m, s, r);
+        return cpm_harmonic_path(&s->harmonic, x);
     }
     if (cpm_is_ellipse(s)) {
         double x = whole ? s->ellipse.end : cpm_ellipse_of_arc(&s->ellipse, length);
@@ -173,6 +208,10 @@ CPM_INLINE double cpm_segment_plane(const cpm_segment *s, const double point[3],
         double x = cpm_ellipse_plane(&s->ellipse, point, normal);
         if (!(x <= s->ellipse.end && x < CPM_EXACT_INFINITE)) return -1.0;
         length = cpm_ellipse_arc(&s->ellipse, x);
+    } else if (s->shape == CPM_SEGMENT_HARMONIC) {
+        double x = cpm_harmonic_plane(&s->harmonic, s->r, s->p, point, normal);
+        if (!(x <= s->sigma) || !(x < CPM_EXACT_INFINITE)) return -1.0;
+        length = cpm_harmonic_length(&s->harmonic, x);
     } else {
         double x = cpm_parabola_plane(s->r, s->p, s->g, point, normal, s->sigma);
         if (x < 0.0) return -1.0;
@@ -196,6 +235,15 @@ CPM_INLINE double cpm_exact_index(const cpm_medium_data *m, CPM_GLOBAL const dou
             layer--;
         double t = square && layer > 0 ? height - table[m->heights + layer - 1] : 0.0;
         value = cpm_layer_record(m, table, layer, 0) + t * cpm_layer_record(m, table, layer, 1);
+    } else if (m->kind == CPM_MEDIUM_SHELLS) {
+        double rounding, out[3], height = cpm_shell_height(m, r, out, &rounding);
+        square = m->interpolation == CPM_FIELD_LINEAR_SQUARED;
+        int layer = cpm_layer_at(m, table, square ? height : height + rounding);
+        if (!square && layer > 0 && height - table[m->heights + layer - 1] <= rounding && cpm_dot(d, out) < 0.0)
+            layer--;
+        double start = cpm_layer_record(m, table, layer, 4), t = square ? height - start : 0.0;
+        value = cpm_layer_record(m, table, layer, 0) +
+                t * (2.0 * m->radius + height + start) * cpm_layer_record(m, table, layer, 1);
     } else if (m->kind == CPM_MEDIUM_LINEAR_SQUARED || m->kind == CPM_MEDIUM_LINEAR) {
         value += (r[0] - m->origin[0]) * m->axis[0] + (r[1] - m->origin[1]) * m->axis[1] +
                  (r[2] - m->origin[2]) * m->axis[2];

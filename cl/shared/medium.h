@@ -1,27 +1,13 @@
-/* shared/medium.h: n and g = (1/2) grad n^2 of any medium. n is not above 0 (or NaN) where n^2 <= 0: check less(0, n).
- */
+/* shared/medium.h: n and g = (1/2) grad n^2 of any medium. n is not above 0 (or NaN) where n^2 <= 0: check less(0, n). */
 #ifndef CPM_SHARED_MEDIUM_H
 #define CPM_SHARED_MEDIUM_H
-#include "medium_central.h"
-#include "medium_grid.h"
-#include "medium_layered.h"
-#include "medium_linear.h"
-#include "medium_sources.h"
+#include "medium_one.h"
+#include "medium_sum.h"
 
-CPM_INLINE real3 cpm_field(const cpm_medium_data *m, CPM_GLOBAL const double *table, real3 r, real scale, real *n) {
-    if (CPM_IS_KIND(m, CPM_MEDIUM_LINEAR_SQUARED)) return cpm_field_linear_squared(m, r, scale, n);
-    if (CPM_IS_KIND(m, CPM_MEDIUM_LINEAR)) return cpm_field_linear(m, r, scale, n);
-    if (CPM_IS_KIND(m, CPM_MEDIUM_LAYERED)) return cpm_field_layered(m, table, r, scale, n);
-    if (CPM_IS_KIND(m, CPM_MEDIUM_GRID)) {
-        if (m->interpolation == CPM_FIELD_CUBIC) return cpm_field_grid_cubic(m, table, r, scale, n);
-        return cpm_field_grid_linear(m, table, r, scale, n);
-    }
-    if (CPM_IS_KIND(m, CPM_MEDIUM_PARABOLIC)) return cpm_field_parabolic(m, r, scale, n);
-    if (CPM_IS_KIND(m, CPM_MEDIUM_LUNEBURG)) return cpm_field_luneburg(m, r, scale, n);
-    if (CPM_IS_KIND(m, CPM_MEDIUM_FISHEYE)) return cpm_field_fisheye(m, r, scale, n);
-    if (CPM_IS_KIND(m, CPM_MEDIUM_EATON)) return cpm_field_eaton(m, r, scale, n);
-    if (CPM_IS_KIND(m, CPM_MEDIUM_SOURCES)) return cpm_field_sources(m, table, r, scale, n);
-    return cpm_field_homogeneous(m, scale, n);
+CPM_ALWAYS_INLINE real3 cpm_field(const cpm_medium_data *m, CPM_GLOBAL const double *table, real3 r, real scale,
+                                  real *n) {
+    if (CPM_IS_KIND(m, CPM_MEDIUM_SUM)) return cpm_field_sum(m, table, r, scale, n);
+    return cpm_field_one(m, table, r, scale, n);
 }
 
 /* n grows without bound at some place: rays may end there, captured. */

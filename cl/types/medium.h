@@ -27,10 +27,13 @@
 #define CPM_MEDIUM_FISHEYE 7
 #define CPM_MEDIUM_EATON 8
 #define CPM_MEDIUM_SOURCES 9
+#define CPM_MEDIUM_EXPRESSION 10
+#define CPM_MEDIUM_SUM 11
+#define CPM_MEDIUM_SHELLS 12 /* layered, spherical */
 
-/* CPM_MEDIA says which kinds are compiled in: bit 1 << CPM_MEDIUM_... (all by default). */
+/* CPM_MEDIA says which kinds are compiled in: bit 1 << CPM_MEDIUM_... (all by default). A sum needs its terms' too. */
 #ifndef CPM_MEDIA
-#define CPM_MEDIA 0x3ff
+#define CPM_MEDIA 0x1fff
 #endif
 #define CPM_IS_KIND(m, k) (((CPM_MEDIA >> (k)) & 1) && (m)->kind == (k))
 
@@ -59,9 +62,10 @@ typedef struct cpm_medium_data {
                               parabolic: high is (n alpha)^2 on the axis */
     double bucket;         /* layered: buckets a metre */
     cpm_i64 heights, guide, records; /* offsets of the tables */
+    double radius; /* shells: of the sphere where height is 0, metres */
 } cpm_medium_data;
 
-CPM_STATIC_ASSERT(sizeof(cpm_medium_data) == 152, cpm_medium_data_size);
+CPM_STATIC_ASSERT(sizeof(cpm_medium_data) == 160, cpm_medium_data_size);
 CPM_ASSERT_OFFSET(cpm_medium_data, origin, 24);
 CPM_ASSERT_OFFSET(cpm_medium_data, value, 72);
 CPM_ASSERT_OFFSET(cpm_medium_data, heights, 128);

@@ -10,11 +10,15 @@ int cpm_dispersion_varies(const cpm_dispersion *dispersion);
 /* n at a wavelength (nm) in range, finite and > 0; else a message. */
 cpm_status cpm_dispersion_check(cpm_context *context, const cpm_dispersion *dispersion, double wavelength, double *n);
 
+/* Does every term of a sum have a dispersion that is valid at this wavelength? Of other media: nothing to say. */
+cpm_status cpm_sum_check(cpm_context *context, const cpm_medium *medium, double wavelength);
+
 /* Defined by n^2: the dispersion scales n^2 - 1. */
 static inline int cpm_medium_by_square(const cpm_medium_data *data) {
     return data->kind == CPM_MEDIUM_LINEAR_SQUARED || data->kind == CPM_MEDIUM_PARABOLIC ||
            data->kind == CPM_MEDIUM_LUNEBURG || data->kind == CPM_MEDIUM_EATON ||
-           (data->kind == CPM_MEDIUM_LAYERED && data->interpolation == CPM_FIELD_LINEAR_SQUARED);
+           ((data->kind == CPM_MEDIUM_LAYERED || data->kind == CPM_MEDIUM_SHELLS) &&
+            data->interpolation == CPM_FIELD_LINEAR_SQUARED);
 }
 
 /* create.c. A medium of one reference with this dispersion and a zeroed table of table_count doubles (64-byte aligned).

@@ -15,7 +15,8 @@ struct cpm_medium {
     double *table; /* aligned to 64 bytes; NULL: none */
     size_t table_count;
     cpm_dispersion dispersion;
-    double reference; /* what the dispersion gives at the d line: n - 1, or n^2 - 1 for a medium defined by n^2 */
+    int32_t by_wavelength; /* 1: the field takes the wavelength itself (nm) for its scale: formulas and sums */
+    double reference;      /* what the dispersion gives at the d line: n - 1, or n^2 - 1 for a medium defined by n^2 */
 };
 
 /* The factor s of a wavelength (nm). Out of the dispersion's range: CPM_ERROR_INVALID_ARGUMENT. 1 where nothing
@@ -28,6 +29,9 @@ int cpm_medium_is_uniform(const cpm_medium *medium);
 int cpm_medium_has_exact(const cpm_medium *medium);
 /* Only the closed form exists: discrete layers have no gradient to integrate. */
 int cpm_medium_needs_exact(const cpm_medium *medium);
+
+/* Bits 1 << CPM_MEDIUM_ of what code needs for it (CPM_MEDIA): its kind, and a sum's terms'. */
+uint32_t cpm_medium_kinds(const cpm_medium *medium);
 
 /* At one point r (metres) and scale s. NaN where n^2 <= 0. g = (1/2) grad n^2 = n grad n. */
 double cpm_medium_n(const cpm_medium *medium, double scale, const double r[3]);

@@ -31,12 +31,23 @@ class Dispersion(ct.Structure):
 
 class LayeredDesc(ct.Structure):
     _fields_ = [("struct_size", ct.c_size_t), ("heights", F64P), ("n", F64P), ("count", ct.c_size_t),
-                ("up", ct.c_double * 3), ("origin", ct.c_double * 3), ("interpolation", ct.c_int32), ("reserved", ct.c_int32)]
+                ("up", ct.c_double * 3), ("origin", ct.c_double * 3), ("interpolation", ct.c_int32), ("reserved", ct.c_int32),
+                ("radius", ct.c_double)]
 
 
 class GridDesc(ct.Structure):
     _fields_ = [("struct_size", ct.c_size_t), ("values", F64P), ("size", ct.c_size_t * 3), ("stride", ct.c_ssize_t * 3),
                 ("origin", ct.c_double * 3), ("spacing", ct.c_double * 3), ("interpolation", ct.c_int32), ("reserved", ct.c_int32)]
+
+
+class Instruction(ct.Structure):
+    _fields_ = [("operation", ct.c_int32), ("target", ct.c_int32), ("a", ct.c_int32), ("b", ct.c_int32), ("c", ct.c_int32),
+                ("reserved", ct.c_int32), ("k", ct.c_double), ("l", ct.c_double)]
+
+
+class ExpressionDesc(ct.Structure):
+    _fields_ = [("struct_size", ct.c_size_t), ("instructions", ct.POINTER(Instruction)), ("count", ct.c_size_t),
+                ("results", ct.c_int32 * 4), ("feature", ct.c_double)]
 
 
 class SourcesDesc(ct.Structure):
@@ -48,7 +59,8 @@ class MediumData(ct.Structure):
     _fields_ = [("kind", ct.c_int32), ("interpolation", ct.c_int32), ("size", ct.c_int32 * 3), ("uniform", ct.c_int32),
                 ("origin", ct.c_double * 3), ("axis", ct.c_double * 3), ("value", ct.c_double), ("feature", ct.c_double),
                 ("kink", ct.c_double), ("jump", ct.c_double), ("low", ct.c_double), ("high", ct.c_double), ("bucket", ct.c_double),
-                ("heights", ct.c_int64), ("guide", ct.c_int64), ("records", ct.c_int64)]
+                ("heights", ct.c_int64), ("guide", ct.c_int64), ("records", ct.c_int64),
+                ("radius", ct.c_double)]
 
 
 class MediumInside(ct.Structure):
@@ -118,15 +130,24 @@ class Library:
     def linear(self, n, gradient, origin=(0, 0, 0), dispersion=None):
         return self._made("cpm_medium_create_linear", ct.c_double(n), self.vector(gradient), self.vector(origin), dispersion)
 
-    def layered(self, heights, n, interpolation, up=(0, 1, 0), origin=(0, 0, 0), dispersion=None):
+    def layered(self, heights, n, interpolation, up=(0, 1, 0), origin=(0, 0, 0), dispersion=None, radius=0.0):
         h, v = np.ascontiguousarray(heights, float), np.ascontiguousarray(n, float)
-        desc = LayeredDesc(ct.sizeof(LayeredDesc), pointer(h), pointer(v), len(h), tuple(up), tuple(origin), interpolation, 0)
+        desc = LayeredDesc(ct.sizeof(LayeredDesc), pointer(h), pointer(v), len(h), tuple(up), tuple(origin), interpolation, 0, radius)
         return self._made("cpm_medium_create_layered", ct.byref(desc), dispersion)
 
     def grid(self, values, origin, spacing, interpolation, dispersion=None):
         v = np.asarray(values, float)
         desc = GridDesc(ct.sizeof(GridDesc), v.ctypes.data_as(F64P), v.shape, v.strides, tuple(origin), tuple(spacing), interpolation, 0)
         return self._made("cpm_medium_create_grid", ct.byref(desc), dispersion)
+
+    def expression(self, program, results, dispersion=None):
+        """program: (operation, target, a, b, c, k, l) each."""
+        code = (Instruction * len(program))(*(Instruction(*line[:5], 0, *line[5:]) for line in program))
+        desc = ExpressionDesc(ct.sizeof(ExpressionDesc), code, len(program), tuple(results), 0.0)
+        return self._made("cpm_medium_create_expression", ct.byref(desc), dispersion)
+
+    def sum(self, *terms):
+        return self._made("cpm_medium_create_sum", (ct.c_void_p * len(terms))(*terms), ct.c_size_t(len(terms)))
 
     def parabolic(self, n, alpha, axis=(0, 0, 1), origin=(0, 0, 0), dispersion=None):
         return self._made("cpm_medium_create_parabolic", ct.c_double(n), ct.c_double(alpha), self.vector(axis), self.vector(origin), dispersion)

@@ -15,7 +15,12 @@ def media():
     heights = np.linspace(-2.0, 4.0, 33)
     x = np.linspace(-1.0, 1.0, 9)
     bump = 1.3 + 0.05 * np.exp(-(x[:, None, None] ** 2 + x[None, :, None] ** 2 + x[None, None, :] ** 2))
+    shells = cpm.media.Layered(heights, 1.3 - 0.02 * heights, radius=3.0)
+    formula = cpm.media.Expression("1.2 + 0.1*exp(-x*x - y*y) + 0.02*sin(z)*500/wavelength")
     return {
+        "shells": shells,
+        "expression": formula,
+        "sum": shells + formula + cpm.media.Linear(1.1, gradient=(0.01, 0, 0), dispersion="BK7"),
         "homogeneous": cpm.media.Homogeneous(1.5),
         "linear-squared": cpm.media.LinearSquared(1.69, gradient=(0.0, -0.1, 0.0)),
         "linear": cpm.media.Linear(1.3, gradient=(0.01, -0.04, 0.0)),

@@ -137,6 +137,13 @@ def test_defaults_without_a_render_table(tmp_path):
             cpm.media.LinearSquared,
         ),
         ('type = "layered"\nheights = [0, 1, 2]\nn = [1.3, 1.2, 1.1]\ninterpolation = "step"', cpm.media.Layered),
+        ('type = "layered"\nheights = [0, 1, 2]\nn = [1.3, 1.2, 1.1]\nradius = 6371e3', cpm.media.Layered),
+        ('type = "expression"\ntext = "1 + N*exp(-y/d)"\nconstants = { N = 1e-4, d = 2 }', cpm.media.Expression),
+        (
+            'type = "sum"\nterms = [{ type = "linear", n = 1.2, gradient = [0, 0.01, 0] }, '
+            '{ type = "expression", text = "1.1" }]',
+            cpm.media.Sum,
+        ),
         ('type = "grid"\nvalues = "n.npy"\nspacing = [1, 1, 1]\ninterpolation = "linear"', cpm.media.Grid),
         ('type = "parabolic"\nn = 1.5\nalpha = 0.2\naxis = [1, 0, 0]\norigin = [0, 1, 0]', cpm.media.Parabolic),
         ('type = "luneburg"\nradius = 0.5\ncenter = [0, 1, 0]\ndispersion = "BK7"', cpm.media.Luneburg),
@@ -153,6 +160,28 @@ def test_defaults_without_a_render_table(tmp_path):
 def test_media(tmp_path, text, kind):
     np.save(tmp_path / "n.npy", np.full((2, 3, 4), 1.2))
     assert type(load(tmp_path, f"{ROOM}\n[medium]\n{text}\n").medium) is kind
+
+
+def test_media_of_a_file_are_those_of_python(tmp_path):
+    """A sum of spherical layers and a formula, by file and by Python: the same n."""
+    text = """
+[medium]
+type = "sum"
+[[medium.terms]]
+type = "layered"
+heights = [0, 10, 20]
+n = [1.0003, 1.0002, 1.0001]
+radius = 6371e3
+[[medium.terms]]
+type = "expression"
+text = "1 + e*exp(-y/d)"
+constants = { e = -1e-5, d = 0.05 }
+"""
+    made = cpm.media.Layered([0, 10, 20], [1.0003, 1.0002, 1.0001], radius=6371e3) + cpm.media.Expression(
+        "1 + e*exp(-y/d)", e=-1e-5, d=0.05)
+    points = [(0, 0.01, 0), (100, 5, 3)]
+    for a, b in zip(load(tmp_path, ROOM + text).medium.evaluate(points), made.evaluate(points), strict=True):
+        np.testing.assert_array_equal(a, b)
 
 
 def test_lenses_bring_their_bounds(tmp_path):
@@ -388,6 +417,27 @@ WRONG = [
         ROOM + '[[shapes]]\ntype = "sphere"\ncenter = [0,0,0]\nradius = 0\nmaterial = "white"\n',
         "shapes[1].radius",
         "0",
+        "greater than 0",
+    ),
+    (ROOM + '[medium]\ntype = "expression"\ntext = "1 + q"\n', "medium", "'q'", "x, y, z, r, wavelength"),
+    (ROOM + '[medium]\ntype = "expression"\ntext = "1"\nconstants = { x = 1.0 }\n', "medium", "'x'", "formula's own"),
+    (
+        ROOM + '[medium]\ntype = "expression"\ntext = "1"\nconstants = { n = "2" }\n',
+        "medium.constants.n",
+        "'2'",
+        "number",
+    ),
+    (ROOM + '[medium]\ntype = "sum"\nterms = []\n', "medium.terms", "[]", "at least 1"),
+    (
+        ROOM + '[medium]\ntype = "sum"\nterms = [{ type = "expression", text = "log(-1)" }]\n',
+        "medium.terms[0]",
+        "log of -1",
+        "finite",
+    ),
+    (
+        ROOM + '[medium]\ntype = "layered"\nheights = [0, 1]\nn = [1.1, 1.0]\nradius = -1.0\n',
+        "medium.radius",
+        "-1.0",
         "greater than 0",
     ),
     (ROOM + '[integrator]\nmethod = "magic"\n', "integrator", "'magic'", "auto, exact"),

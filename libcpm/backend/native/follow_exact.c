@@ -7,11 +7,12 @@
 
 #define MAX_PIECES 100000 /* then evaluations_exhausted */
 
-/* Closed forms in sigma: discrete layers are straight, linear n^2 is a parabola; catenaries and ellipses are stood for
- * by quintics. */
+/* Closed forms in sigma: discrete layers are straight, linear n^2 is a parabola; catenaries, ellipses, and the paths of
+ * spherical layers are stood for by quintics. */
 static int degree_of(const cpm_medium_data *medium) {
-    if (medium->kind == CPM_MEDIUM_LAYERED && medium->interpolation == CPM_FIELD_STEP) return 1;
-    return medium->kind == CPM_MEDIUM_LINEAR || cpm_is_central(medium) ? 5 : 2;
+    const int round = medium->kind == CPM_MEDIUM_SHELLS;
+    if ((medium->kind == CPM_MEDIUM_LAYERED || round) && medium->interpolation == CPM_FIELD_STEP) return 1;
+    return medium->kind == CPM_MEDIUM_LINEAR || round || cpm_is_central(medium) ? 5 : 2;
 }
 /* Outside its sphere a lens bends nothing. */
 static int is_straight(const cpm_piece *piece) {

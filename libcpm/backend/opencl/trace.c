@@ -48,7 +48,7 @@ static void options_of(const cpm_opencl *o, const cpm_medium *medium, int32_t me
     snprintf(options, size,
              "-cl-std=CL1.2 -cl-fp32-correctly-rounded-divide-sqrt -DCPM_WIDTH=%d -DCPM_SINGLE=%d "
              "-DCPM_MEDIA=%u -DCPM_METHODS=%u",
-             o->is_cpu ? 8 : 1, single != 0, 1u << medium->data.kind, 1u << method);
+             o->is_cpu ? 8 : 1, single != 0, (unsigned)cpm_medium_kinds(medium), 1u << method);
 }
 
 static cl_int set_arguments(const cpm_opencl *o, cl_kernel kernel, const slice_buffers *b, int64_t samples,

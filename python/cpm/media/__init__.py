@@ -4,16 +4,19 @@
 ``Homogeneous``     constant n                                    straight; no integrator runs
 ``LinearSquared``   n² linear in position                         exact: parabolas
 ``Linear``          n linear in position                          exact: catenaries
-``Layered``         table of height                               exact where ``"linear-squared"``
+``Layered``         table of height, flat or spherical            exact where ``"linear-squared"``
 ``Grid``            samples on a grid                             integrated
 ``Parabolic``       n² = n₀²(1 − α²ρ²), a fibre                   exact: sinusoids
 ``Luneburg``        n² = 2 − r²/R² in a ball                      exact: ellipses
 ``Fisheye``         n = n₀/(1 + r²/a²)                            exact: circles
 ``Eaton``           n² = 2R/r − 1 in a ball                       exact: Kepler's ellipses
 ``Sources``         1 + Σ m/dᵏ, points and lines                  integrated
+``Expression``      a formula in x, y, z, r, wavelength           integrated
+``Sum``             ``a + b``: refractivities added               integrated
 ==================  ============================================  ==============================
 """
 from ._base import Medium, as_medium
+from .expression import Expression
 from .fisheye import Fisheye
 from .grid import Grid
 from .homogeneous import Homogeneous
@@ -22,9 +25,11 @@ from .lenses import Eaton, Luneburg
 from .linear import Linear, LinearSquared
 from .parabolic import Parabolic
 from .sources import Sources
+from .sum import Sum
 
 __all__ = [
     "Eaton",
+    "Expression",
     "Fisheye",
     "Grid",
     "Homogeneous",
@@ -35,5 +40,6 @@ __all__ = [
     "Medium",
     "Parabolic",
     "Sources",
+    "Sum",
     "as_medium",
 ]

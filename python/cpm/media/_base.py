@@ -54,6 +54,18 @@ class Medium:
         """
         return self._handle.evaluate(as_points(points, "points"), as_number(wavelength, "wavelength"))
 
+    def __add__(self, other: Any) -> Medium:
+        """Refractivities added: :class:`cpm.media.Sum`."""
+        if not isinstance(other, Medium):
+            return NotImplemented
+        from .sum import Sum
+
+        return Sum(self, other)
+
+    def __radd__(self, other: Any) -> Medium:
+        """``sum(media)`` starts at 0."""
+        return self if isinstance(other, int) and other == 0 else NotImplemented
+
     def _own_bounds(self) -> Bounds | None:
         """Where it is in a scene's list if it was given no bounds; None: it must be given some."""
         return None

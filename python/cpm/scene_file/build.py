@@ -161,8 +161,15 @@ class _Builder:
                 case models.LinearTable():
                     return media.Linear(table.n, table.gradient, table.origin, **common)
                 case models.LayeredTable():
-                    return media.Layered(table.heights, table.n, table.up, table.origin,
-                                         interpolation=table.interpolation, **common)
+                    return media.Layered(table.heights, table.n, table.up, table.origin, table.radius,
+                                         table.interpolation, **common)
+                case models.ExpressionTable():
+                    return media.Expression(table.text, **table.constants, **common)
+                case models.SumTable():
+                    if table.dispersion is not None:
+                        raise SceneFileError(self.path, f"{key}.dispersion", "is each term's own; a sum has none")
+                    terms = [self.medium(term, f"{key}.terms[{i}]") for i, term in enumerate(table.terms)]
+                    return media.Sum(*terms, bounds=bounds)
                 case models.ParabolicTable():
                     return media.Parabolic(table.n, table.alpha, table.axis, table.origin, **common)
                 case models.LuneburgTable():

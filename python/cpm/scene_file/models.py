@@ -186,7 +186,19 @@ class LayeredTable(MediumTable):
     n: list[Number]
     up: Vector = (0.0, 1.0, 0.0)
     origin: Vector = (0.0, 0.0, 0.0)
+    radius: Positive | None = None
     interpolation: Literal["cubic", "linear-squared", "step"] = "cubic"
+
+
+class ExpressionTable(MediumTable):
+    type: Literal["expression"]
+    text: Text
+    constants: dict[str, Number] = {}
+
+
+class SumTable(MediumTable):
+    type: Literal["sum"]
+    terms: Annotated[list[AnyMedium], Field(min_length=1, max_length=64)]
 
 
 class GridTable(MediumTable):
@@ -244,8 +256,11 @@ AnyMedium = Annotated[
     | LuneburgTable
     | FisheyeTable
     | EatonTable
-    | SourcesTable,
+    | SourcesTable
+    | ExpressionTable
+    | SumTable,
     Field(discriminator="type")]
+SumTable.model_rebuild()
 
 
 # Materials.
