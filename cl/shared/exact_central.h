@@ -1,4 +1,5 @@
-/* shared/exact_central.h: the elliptic paths of fibre, Luneburg lens, fish-eye and Eaton lens behind one set of calls. */
+/* shared/exact_central.h: the elliptic paths of fibre, Luneburg lens, fish-eye and Eaton lens behind one set of calls.
+ */
 #ifndef CPM_SHARED_EXACT_CENTRAL_H
 #define CPM_SHARED_EXACT_CENTRAL_H
 #include "exact_circle.h"
@@ -113,8 +114,7 @@ CPM_INLINE void cpm_central_pull(const cpm_medium_data *m, double scale, const d
     if (m->kind == CPM_MEDIUM_LUNEBURG) factor = -scale / R / R;
     if (m->kind == CPM_MEDIUM_FISHEYE) n = cpm_central_index(m, scale, r), factor = -2.0 * n * n / (R * R + rr);
     if (m->kind == CPM_MEDIUM_EATON) factor = -scale * R / fmax(rr * cpm_sqrt(rr), 1e-290);
-    for (int k = 0; k < 3; k++)
-        g[k] = factor * (m->kind == CPM_MEDIUM_PARABOLIC ? y[k] - along * m->axis[k] : y[k]);
+    for (int k = 0; k < 3; k++) g[k] = factor * (m->kind == CPM_MEDIUM_PARABOLIC ? y[k] - along * m->axis[k] : y[k]);
 }
 /* The end of a piece of a path inside that does not go beyond x, sigma; returns its x. `least`: |p| to end at. */
 CPM_INLINE double cpm_central_reach(const cpm_medium_data *m, const cpm_ellipse *e, double sigma, double least) {

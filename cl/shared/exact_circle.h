@@ -52,7 +52,8 @@ CPM_INLINE double cpm_circle_sigma(const cpm_ellipse *e, double radius, double l
     double c, g = cpm_half_sine(e->rate, l, &c), z = e->rate * l, s3;
     z *= z;
     if (z < 0.25)
-        s3 = l * l * l / 6.0 * (1.0 - z / 20.0 * (1.0 - z / 42.0 * (1.0 - z / 72.0 * (1.0 - z / 110.0 * (1.0 - z / 156.0)))));
+        s3 = l * l * l / 6.0 *
+             (1.0 - z / 20.0 * (1.0 - z / 42.0 * (1.0 - z / 72.0 * (1.0 - z / 110.0 * (1.0 - z / 156.0)))));
     else
         s3 = (l - 2.0 * g * c) / (e->rate * e->rate);
     return (e->size[1] * l + 2.0 * e->size[2] * (2.0 * g * g) + e->size[3] * s3) / (e->size[0] * radius);

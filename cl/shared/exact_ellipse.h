@@ -11,7 +11,8 @@
  * which the path is slowest; on circles x is arc length itself.
  *
  * Roots of D + f1 S1 + f2 S2 (planes, spheres, a least index): with t = tan(w x/2)/w
- *   (2 f2 + w^2 D) t^2 + 2 f1 t + D = 0.                                                                            (2) */
+ *   (2 f2 + w^2 D) t^2 + 2 f1 t + D = 0.                                                                            (2)
+ */
 #ifndef CPM_SHARED_EXACT_ELLIPSE_H
 #define CPM_SHARED_EXACT_ELLIPSE_H
 #include "elliptic.h"
@@ -25,7 +26,7 @@ typedef struct cpm_ellipse {
     int kind, on_sphere; /* CPM_ELLIPSE_; 1: it ends on the medium's sphere */
     double r[3], v[3], a[3], drift[3], rate;
     double q2, k2, phase, scale;
-    double end; /* x of its natural end; CPM_EXACT_INFINITE */
+    double end;     /* x of its natural end; CPM_EXACT_INFINITE */
     double size[4]; /* circle: n0 a, a^2 + r0^2, r0 . d, d^2(r^2)/dl^2; Kepler: semi-axis, 1 - e, sqrt(alpha), - */
     double along[3], across[3]; /* Kepler: semi-axes, to the periapsis and across */
 } cpm_ellipse;
@@ -44,7 +45,8 @@ CPM_INLINE double cpm_half_sine(double rate, double x, double *c) {
 
 /* Position and dr/dx by (1). */
 CPM_INLINE void cpm_ellipse_curve(const cpm_ellipse *e, double x, double r[3], double slope[3]) {
-    double c, g = cpm_half_sine(e->rate, x, &c), s1 = 2.0 * g * c, s2 = 2.0 * g * g, cosine = 1.0 - e->rate * e->rate * s2;
+    double c, g = cpm_half_sine(e->rate, x, &c), s1 = 2.0 * g * c, s2 = 2.0 * g * g,
+              cosine = 1.0 - e->rate * e->rate * s2;
     for (int k = 0; k < 3; k++) {
         r[k] = e->r[k] + (e->v[k] * s1 + e->a[k] * s2 + e->drift[k] * x);
         slope[k] = e->v[k] * cosine + e->a[k] * s1 + e->drift[k];

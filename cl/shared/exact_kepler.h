@@ -4,11 +4,10 @@
  * sigma: a planet's orbit whose time is sigma. Semi-axis a = mu/alpha, eccentricity e, eccentric anomaly E = 0 at the
  * periapsis, q^2 = 1 - e^2 = |y x p|^2/(mu a):
  *
- *   y = P (cos E - e) + Q sin E,  r = a (1 - e cos E),  p = sqrt(alpha)/r (-P sin E + Q cos E)                       (1)
- *   e cos E0 = 1 - r0/a,  e sin E0 = y . p sqrt(alpha)/mu,
- *   P/a = y cos E0/r0 - p sin E0/sqrt(alpha),  Q/a = y sin E0/r0 + p (cos E0 - e)/sqrt(alpha)                        (2)
- *   dl = a sqrt(q^2 + e^2 sin^2 E) dE,  dsigma = a (1 - e cos E) dE/sqrt(alpha),  n^2 dsigma = 2 mu dE/sqrt(alpha) -
- *   alpha dsigma                                                                                                     (3)
+ *   y = P (cos E - e) + Q sin E,  r = a (1 - e cos E),  p = sqrt(alpha)/r (-P sin E + Q cos E) (1) e cos E0 = 1 - r0/a,
+ * e sin E0 = y . p sqrt(alpha)/mu, P/a = y cos E0/r0 - p sin E0/sqrt(alpha),  Q/a = y sin E0/r0 + p (cos E0 -
+ * e)/sqrt(alpha)                        (2) dl = a sqrt(q^2 + e^2 sin^2 E) dE,  dsigma = a (1 - e cos E)
+ * dE/sqrt(alpha),  n^2 dsigma = 2 mu dE/sqrt(alpha) - alpha dsigma (3)
  *
  * A ray straight at the centre (e = 1) turns back there: that is where its neighbours go, every one of which leaves
  * antiparallel, and (1) to (3) have no gap at E = 0. */
@@ -17,8 +16,8 @@
 #include "../types/medium.h"
 #include "exact_oscillator.h"
 
-#define CPM_KEPLER_PIECE 0.014  /* of r: the quintic is off by at most 1e-13 of it */
-#define CPM_KEPLER_POINT 2e-13  /* of a: closer to the centre a piece leaps over the periapsis */
+#define CPM_KEPLER_PIECE 0.014 /* of r: the quintic is off by at most 1e-13 of it */
+#define CPM_KEPLER_POINT 2e-13 /* of a: closer to the centre a piece leaps over the periapsis */
 
 CPM_INLINE double cpm_kepler_radius(const cpm_ellipse *e, double E) { /* in semi-axes, by (1) without cancellation */
     double s, c;
@@ -72,7 +71,8 @@ CPM_INLINE double cpm_kepler_sigma(const cpm_ellipse *e, double x) {
     cpm_sine_cosine(h, &s, &c);
     rest = 2.0 * (h - s);
     if (z < 0.25)
-        rest = h * z / 3.0 * (1.0 - z / 20.0 * (1.0 - z / 42.0 * (1.0 - z / 72.0 * (1.0 - z / 110.0 * (1.0 - z / 156.0)))));
+        rest = h * z / 3.0 *
+               (1.0 - z / 20.0 * (1.0 - z / 42.0 * (1.0 - z / 72.0 * (1.0 - z / 110.0 * (1.0 - z / 156.0)))));
     return e->size[0] / e->size[2] * (2.0 * s * cpm_kepler_radius(e, e->phase + h) + rest);
 }
 CPM_INLINE double cpm_kepler_path(const cpm_ellipse *e, double x) {

@@ -87,15 +87,15 @@ CPM_INLINE real cpm_kink_of_layers(const cpm_medium_data *m, CPM_GLOBAL const do
     return cpm_kink_along(u, hair, forward, magnitude(speed), dot3(a->g, up), below, above);
 }
 
-/* A lens's sphere, by u = |r - centre|^2: u' = 2 y . p, u'' = 2 (p^2 + y . g); outside, where paths are straight, that is
- * all of it. A hair's distance is 2 R times as far in u. */
+/* A lens's sphere, by u = |r - centre|^2: u' = 2 y . p, u'' = 2 (p^2 + y . g); outside, where paths are straight, that
+ * is all of it. A hair's distance is 2 R times as far in u. */
 CPM_INLINE real3 cpm_lens_radius(const cpm_medium_data *m, real3 r, real *radius) {
     real3 y = triple(r.x - R(m->origin[0]), r.y - R(m->origin[1]), r.z - R(m->origin[2]));
     *radius = root(dot3(y, y));
     return y;
 }
-/* Short: what n changes by over it adds to the drift of |p|, and must stay within rounding (step.h) where g jumps as much
- * as here. */
+/* Short: what n changes by over it adds to the drift of |p|, and must stay within rounding (step.h) where g jumps as
+ * much as here. */
 CPM_INLINE real cpm_hair_of_sphere(const cpm_medium_data *m, scalar hair, real3 r) {
     return hair + R(3.0 * CPM_ROUNDING) * (magnitude(r.x) + magnitude(r.y) + magnitude(r.z) +
                                            splat(fabs(m->origin[0]) + fabs(m->origin[1]) + fabs(m->origin[2])));
@@ -104,7 +104,8 @@ CPM_INLINE real cpm_kink_of_sphere(const cpm_medium_data *m, scalar thin, const 
     const real none = splat(CPM_NO_KINK), at = splat(m->high);
     real radius, hair = cpm_hair_of_sphere(m, thin, a->r);
     real3 y = cpm_lens_radius(m, a->r, &radius);
-    real speed = R(2.0) * dot3(y, a->p), pull = R(2.0) * (dot3(a->p, a->p) + dot3(y, a->g)), forward = cpm_forward(speed);
+    real speed = R(2.0) * dot3(y, a->p), pull = R(2.0) * (dot3(a->p, a->p) + dot3(y, a->g)),
+         forward = cpm_forward(speed);
     real ahead = radius + R(3.0) * hair * forward, behind = radius - R(3.0) * hair * forward;
     mask inside = less(ahead, at);
     *near |= less((ahead - at) * (behind - at), splat(0.0));
@@ -122,6 +123,13 @@ CPM_INLINE real3 cpm_beyond_sphere(const cpm_medium_data *m, scalar thin, const 
  * those at the ends of a smooth table are few and always worth it, but for slopes of rounding. */
 CPM_INLINE int cpm_has_kinks(const cpm_medium_data *m, double rtol) {
     return m->interpolation == CPM_FIELD_CUBIC ? m->jump * m->feature > 0.1 * rtol : m->kink > 20.0 * rtol;
+}
+
+/* What n may change by between the place where a step ends before a lens's sphere and the sphere, of n. */
+CPM_INLINE real cpm_kink_noise(const cpm_medium_data *m, double rtol, real3 r) {
+    if (CPM_IS_KIND(m, CPM_MEDIUM_LUNEBURG) || CPM_IS_KIND(m, CPM_MEDIUM_EATON))
+        return R(3.0 * m->jump) * cpm_hair_of_sphere(m, cpm_hair(m, rtol), r);
+    return splat(0.0);
 }
 
 /* Sigma to a hair before the next face; *near: one is within a few hairs already. */

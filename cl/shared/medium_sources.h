@@ -1,8 +1,8 @@
 /* shared/medium_sources.h: gravity centres and gravity lines: n = 1 + s sum m/d^k, d the distance from a point or from
  * an infinite line (Groeller, Nonlinear ray tracing: visualizing strange worlds. The Visual Computer 11, 1995).
  *
- * With y from the source's nearest point to r, g = n grad n = -n s sum k m y/d^(k+2). d^2 is kept above CPM_LEAST_D2 and
- * n below CPM_LARGEST_N, so that a centre itself has a number. */
+ * With y from the source's nearest point to r, g = n grad n = -n s sum k m y/d^(k+2). d^2 is kept above CPM_LEAST_D2
+ * and n below CPM_LARGEST_N, so that a centre itself has a number. */
 #ifndef CPM_SHARED_MEDIUM_SOURCES_H
 #define CPM_SHARED_MEDIUM_SOURCES_H
 #include "elementary.h"

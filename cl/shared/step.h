@@ -240,6 +240,7 @@ CPM_INLINE cpm_verdict cpm_judge(const cpm_step_control *c, const cpm_medium_dat
     real steep = magnitude(t->end.g.x) + magnitude(t->end.g.y) + magnitude(t->end.g.z);
     real noise = R(10.0 * CPM_ROUNDING) * (one + (larger(n_start * n_start, one) + v.far * steep) * weight);
     v.blurred = less(splat(CPM_NOISE), noise);
+    noise += cpm_kink_noise(m, c->rtol, t->end.r);
     real along = dot3(push, p); /* no push at all: a = 90 degrees, the strictest */
     real slant = log2_rough(along * along) - log2_rough(dot3(push, push) * size + R(1e-30));
     slant = exp2_rough(smaller(larger(R(0.5) * slant, splat(-5.0)), zero)); /* cos a, 0.03 to 1 */

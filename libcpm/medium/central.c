@@ -32,8 +32,7 @@ static cpm_status take_axis(cpm_context *context, const double *given, double ax
     cpm_status status = take_place(context, "axis", given ? given : z, axis);
     if (status != CPM_OK) return status;
     double largest = fmax(fabs(axis[0]), fmax(fabs(axis[1]), fabs(axis[2]))), size = 0.0;
-    if (largest == 0.0)
-        return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "axis is zero; must have a direction");
+    if (largest == 0.0) return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "axis is zero; must have a direction");
     for (int k = 0; k < 3; k++) axis[k] /= largest, size += axis[k] * axis[k];
     for (int k = 0; k < 3; k++) axis[k] /= sqrt(size);
     return CPM_OK;

@@ -1,8 +1,8 @@
 /* medium/dispersion.c: checking a dispersion, and the factor that a wavelength gives a medium.
  *
  * A medium's own numbers hold at the d line. One defined by n has s = (D(w) - 1)/(D(d) - 1), one defined by n^2 has
- * s = (D(w)^2 - 1)/(D(d)^2 - 1); a lens keeps its shape only while s is not too small. A homogeneous medium made from a dispersion alone stores N = 1, so s = D(w) - 1 and
- * the d line need not be in range. */
+ * s = (D(w)^2 - 1)/(D(d)^2 - 1); a lens keeps its shape only while s is not too small. A homogeneous medium made from a
+ * dispersion alone stores N = 1, so s = D(w) - 1 and the d line need not be in range. */
 #include "cl/shared/dispersion.h"
 
 #include "dispersion.h"

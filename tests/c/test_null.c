@@ -57,7 +57,8 @@ static void null_context(void **state) {
     const cpm_grid_desc grid = {.struct_size = sizeof grid};
     const cpm_rays_request request = {.struct_size = sizeof request};
     cpm_rays_result result = {.struct_size = sizeof result};
-    const cpm_sources_desc sources = {.struct_size = sizeof sources, .count = 1, .centers = one, .strengths = one, .exponents = one};
+    const cpm_sources_desc sources = {
+        .struct_size = sizeof sources, .count = 1, .centers = one, .strengths = one, .exponents = one};
     assert_int_equal(cpm_medium_create_homogeneous(NULL, 1.0, NULL, &made), REFUSED);
     assert_int_equal(cpm_medium_create_dispersive(NULL, NULL, &made), REFUSED);
     assert_int_equal(cpm_medium_create_linear_squared(NULL, 1.0, up, origin, NULL, &made), REFUSED);

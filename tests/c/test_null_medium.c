@@ -55,7 +55,8 @@ static void media_lenses(void **state) {
         assert_refused(context, m, cpm_medium_create_fisheye(context, 1.5, 1.0, bad, NULL, &m));
         assert_refused(context, m, cpm_medium_create_eaton(context, 1.0, bad, NULL, &m));
     }
-    assert_ok(context, cpm_medium_create_parabolic(context, 1.5, 0.1, NULL, NULL, NULL, &m)); /* +z through the origin */
+    assert_ok(context,
+              cpm_medium_create_parabolic(context, 1.5, 0.1, NULL, NULL, NULL, &m)); /* +z through the origin */
     double n = 0;
     assert_ok(context, cpm_medium_evaluate(context, m, up, 1, 550.0, &n, NULL));
     assert_true(fabs(n - 1.5 * sqrt(0.99)) < 1e-15);
@@ -68,11 +69,8 @@ static void media_sources(void **state) {
     cpm_context *context = new_context();
     cpm_medium *m = NULL;
     const double centers[6] = {0, 0, 0, 1, 0, 0}, strengths[2] = {0.1, -0.1}, exponents[2] = {2, 1.5};
-    const cpm_sources_desc good = {.struct_size = sizeof good,
-                                   .count = 2,
-                                   .centers = centers,
-                                   .strengths = strengths,
-                                   .exponents = exponents};
+    const cpm_sources_desc good = {
+        .struct_size = sizeof good, .count = 2, .centers = centers, .strengths = strengths, .exponents = exponents};
     assert_ok(context, cpm_medium_create_sources(context, &good, NULL, &m)); /* directions NULL: points */
     cpm_medium_release(m);
     assert_refused(context, m, cpm_medium_create_sources(context, NULL, NULL, &m));
@@ -332,9 +330,8 @@ static void rays(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(media_simple), cmocka_unit_test(media_dispersion),
-        cmocka_unit_test(media_lenses), cmocka_unit_test(media_sources),
-        cmocka_unit_test(media_tables), cmocka_unit_test(medium_evaluate),
+        cmocka_unit_test(media_simple),  cmocka_unit_test(media_dispersion), cmocka_unit_test(media_lenses),
+        cmocka_unit_test(media_sources), cmocka_unit_test(media_tables),     cmocka_unit_test(medium_evaluate),
         cmocka_unit_test(rays),
     };
     return cmocka_run_group_tests_name("null_medium", tests, NULL, NULL);

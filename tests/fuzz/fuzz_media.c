@@ -26,15 +26,22 @@ static cpm_status take_medium(bytes *b, cpm_context *context, cpm_medium **mediu
     if (kind == 1) return cpm_medium_create_dispersive(context, dispersion, medium);
     if (kind == 2) return cpm_medium_create_linear(context, take_index(b), vector, origin, dispersion, medium);
     if (kind == 3) return cpm_medium_create_linear_squared(context, take_index(b), vector, origin, dispersion, medium);
-    if (kind == 6) return cpm_medium_create_parabolic(context, take_index(b), take_number(b), vector, origin, dispersion, medium);
+    if (kind == 6)
+        return cpm_medium_create_parabolic(context, take_index(b), take_number(b), vector, origin, dispersion, medium);
     if (kind == 7) return cpm_medium_create_luneburg(context, take_number(b), origin, dispersion, medium);
     if (kind == 8) return cpm_medium_create_fisheye(context, take_index(b), take_number(b), origin, dispersion, medium);
     if (kind == 9) return cpm_medium_create_eaton(context, take_number(b), origin, dispersion, medium);
     if (kind == 10) {
-        const double centers[6] = {origin[0], origin[1], origin[2], 0.5, 0.5, 0.5}, line[6] = {vector[0], vector[1], vector[2]};
-        const double strengths[2] = {take_number(b), take_number(b)}, exponents[2] = {take_number(b), 0.25 * take_byte(b)};
-        const cpm_sources_desc d = {.struct_size = sizeof d, .count = 1 + take_below(b, 2), .centers = centers,
-                                    .directions = take_below(b, 2) ? line : NULL, .strengths = strengths, .exponents = exponents};
+        const double centers[6] = {origin[0], origin[1], origin[2], 0.5, 0.5, 0.5},
+                     line[6] = {vector[0], vector[1], vector[2]};
+        const double strengths[2] = {take_number(b), take_number(b)},
+                     exponents[2] = {take_number(b), 0.25 * take_byte(b)};
+        const cpm_sources_desc d = {.struct_size = sizeof d,
+                                    .count = 1 + take_below(b, 2),
+                                    .centers = centers,
+                                    .directions = take_below(b, 2) ? line : NULL,
+                                    .strengths = strengths,
+                                    .exponents = exponents};
         return cpm_medium_create_sources(context, &d, dispersion, medium);
     }
     for (size_t i = 0; i < SAMPLES; i++) values[i] = take_index(b);

@@ -97,8 +97,8 @@ void cpm_follow_exact(const cpm_pass *pass, const cpm_flight *flight, const cpm_
             double inside = leaves_box(&pass->box, r, p, medium->data.axis, scale);
             double h = cpm_min(limit / speed, inside * (1.0 + 1e-6) + 1e-6 * pass->reach / speed);
             parabola(&medium->data, scale, r, p, h, &piece);
-        } else if (cpm_exact_next(&medium->data, medium->table, scale, r, p, limit / speed, 0.99e-6 * n, length,
-                                  &piece, &arrival->evaluations))
+        } else if (cpm_exact_next(&medium->data, medium->table, scale, r, p, limit / speed, 0.99e-6 * n, length, &piece,
+                                  &arrival->evaluations))
             return;
         const int degree = usual == 5 && is_straight(&piece) ? 1 : usual;
         double turn = degree == 2 ? cut_off(&piece, n) : INFINITY;
