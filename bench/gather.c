@@ -56,7 +56,7 @@ static cpm_tree *build(cpm_context *context, const float *rows, size_t count, si
     cpm_tree *tree = NULL;
     const double start = cpm_seconds();
     const cpm_status status =
-        cpm_tree_build(context, photons, spectra, count, count * bins, bins, 1.0 / (double)count, &tree);
+        cpm_tree_build(context, photons, spectra, count, count * bins, free, bins, 1.0 / (double)count, &tree);
     *seconds = cpm_seconds() - start;
     if (status != CPM_OK) give_up(cpm_context_last_error(context));
     return tree;

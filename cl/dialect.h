@@ -56,6 +56,9 @@ typedef long cpm_i64;
 #include <stddef.h>
 #include <stdint.h>
 #include <string.h>
+#if defined(__SSE2__) && CPM_WIDTH > 1
+#include <immintrin.h>
+#endif
 #define CPM_GLOBAL
 #define CPM_CONSTANT_TABLE static const
 typedef uint32_t cpm_u32;
@@ -161,6 +164,55 @@ static inline void store_lanes(real v, scalar *p, size_t i) { memcpy(p + i * CPM
 #endif /* ------------------------------------------------------------------------------------------------ both sides  \
         */
 
+/* A `word` is CPM_WIDTH unsigned integers of 64 bits, for random bits: products of 32 bits fit. In memory they are 32.
+ * word_product takes words below 2^32, and a number below 2^32. */
+#if CPM_WIDTH == 1
+typedef cpm_u64 word;
+#define splat_word(s) ((word)(s))
+#define to_words(m) ((word)(cpm_i64)(m))
+#define load_words(p, part) ((word)(p)[part])
+#define store_words(w, p, part) ((p)[part] = (cpm_u32)(w))
+#define word_reals(w) ((real)(w))
+#define word_product(a, b) ((word)(a) * (b))
+#elif defined(__OPENCL_VERSION__)
+typedef CPM_GLUE(ulong, CPM_WIDTH) word;
+#define splat_word(s) ((word)((ulong)(s)))
+#define to_words(m) CPM_GLUE(convert_ulong, CPM_WIDTH)(CPM_GLUE(convert_long, CPM_WIDTH)(m))
+#define load_words(p, part) CPM_GLUE(convert_ulong, CPM_WIDTH)(CPM_GLUE(vload, CPM_WIDTH)(part, p))
+#define store_words(w, p, part) CPM_GLUE(vstore, CPM_WIDTH)(CPM_GLUE(convert_uint, CPM_WIDTH)(w), part, p)
+#define word_reals(w) CPM_GLUE(convert_, CPM_GLUE(CPM_SCALAR, CPM_WIDTH))(w)
+#define word_product(a, b) ((a) * (b))
+#else
+typedef cpm_u64 word __attribute__((vector_size(CPM_WIDTH * 8)));
+typedef cpm_i64 cpm_word_signs __attribute__((vector_size(CPM_WIDTH * 8)));
+typedef cpm_u32 cpm_half_words __attribute__((vector_size(CPM_WIDTH * 4)));
+#define splat_word(s) ((cpm_u64)(s) + (word){0})
+#if defined(__AVX512F__) && CPM_WIDTH == 8 /* gcc does not see that 32 x 32 bits is all that is asked */
+#define word_product(a, b) ((word)_mm512_mul_epu32((__m512i)(a), (__m512i)splat_word(b)))
+#elif defined(__AVX2__) && CPM_WIDTH == 4
+#define word_product(a, b) ((word)_mm256_mul_epu32((__m256i)(a), (__m256i)splat_word(b)))
+#elif defined(__SSE2__) && CPM_WIDTH == 2
+#define word_product(a, b) ((word)_mm_mul_epu32((__m128i)(a), (__m128i)splat_word(b)))
+#else
+#define word_product(a, b) ((a) * (cpm_u64)(b))
+#endif
+#define to_words(m) ((word) __builtin_convertvector(m, cpm_word_signs))
+static inline word load_words(const cpm_u32 *p, int part) {
+    cpm_half_words v;
+    memcpy(&v, p + part * CPM_WIDTH, sizeof v);
+    return __builtin_convertvector(v, word);
+}
+static inline void store_words(word w, cpm_u32 *p, int part) {
+    cpm_half_words v = __builtin_convertvector(w, cpm_half_words);
+    memcpy(p + part * CPM_WIDTH, &v, sizeof v);
+}
+#if CPM_SINGLE
+#define word_reals(w) __builtin_convertvector(w, real)
+#else /* below 2^32: the mantissa of 2^52 + w, as few machines convert 64 bits */
+#define word_reals(w) ((real)((w) | CPM_U64(0x4330000000000000)) - 4503599627370496.0)
+#endif
+#endif
+
 /* The bits of a real as integers, and back. */
 #if CPM_WIDTH == 1 && defined(__OPENCL_VERSION__)
 #define bits_of(x) CPM_GLUE(as_, CPM_INTEGER)(x)
@@ -224,6 +276,9 @@ CPM_INLINE real floor_lanes(real x) {
     real nearest = (x + CPM_MAGIC) - CPM_MAGIC;
     return nearest - pick(less(x, nearest), splat(1.0), splat(0.0));
 }
+
+/* An integer in [0, 2^22) as a word, by the same addition. */
+#define real_words(x) to_words(bits_of((x) + CPM_MAGIC) - bits_of(splat(CPM_MAGIC)))
 
 /* log2 and 2^x to 6 %, for step sizes: the bits of a positive number are its logarithm, linear between powers of two.
  */
@@ -376,4 +431,76 @@ CPM_INLINE void store3_doubles(real3 v, double (*p)[8], int part) {
     store_doubles(v.y, p[1], part);
     store_doubles(v.z, p[2], part);
 }
+
+/* Eight floats at once, for the children of a tree's node: bounds with room for rounding, never results. wide_min and
+ * wide_max give b where either is NaN. */
+#ifdef __OPENCL_VERSION__
+typedef float8 wide;
+typedef int8 wide_mask;
+#define wide_load(from) vload8(0, from)
+#define wide_store(v, to) vstore8(v, 0, to)
+#define wide_all(x) ((float8)(x))
+#define wide_min(a, b) select(b, a, (a) < (b))
+#define wide_max(a, b) select(b, a, (a) > (b))
+#define wide_abs(a) fabs(a)
+#define wide_along(a, b, c) ((a) * (b) + (c))
+CPM_INLINE cpm_u32 wide_bits(wide_mask mask) {
+    int8 bits = mask & (int8)(1, 2, 4, 8, 16, 32, 64, 128);
+    int4 four = bits.lo | bits.hi;
+    int2 two = four.lo | four.hi;
+    return (cpm_u32)(two.x | two.y);
+}
+#define cpm_lowest_bit(bits) (31 - (int)clz((bits) & -(bits)))
+#else
+#if defined(__AVX2__)
+#include <immintrin.h>
+#endif
+typedef float wide __attribute__((vector_size(32)));
+typedef cpm_i32 wide_mask __attribute__((vector_size(32)));
+static inline wide wide_load(const float *from) { /* 32-byte aligned */
+    wide v;
+    memcpy(&v, __builtin_assume_aligned(from, 32), sizeof v);
+    return v;
+}
+static inline void wide_store(wide v, float *to) { memcpy(to, &v, sizeof v); }
+static inline wide wide_all(float x) { return (wide){x, x, x, x, x, x, x, x}; }
+static inline wide wide_min(wide a, wide b) {
+#if defined(__AVX2__)
+    return (wide)_mm256_min_ps((__m256)a, (__m256)b);
+#else
+    const wide_mask less_than = a < b;
+    return (wide)((less_than & (wide_mask)a) | (~less_than & (wide_mask)b));
+#endif
+}
+static inline wide wide_max(wide a, wide b) {
+#if defined(__AVX2__)
+    return (wide)_mm256_max_ps((__m256)a, (__m256)b);
+#else
+    const wide_mask more_than = a > b;
+    return (wide)((more_than & (wide_mask)a) | (~more_than & (wide_mask)b));
+#endif
+}
+static inline wide wide_abs(wide a) {
+    const wide_mask sign = {INT32_MIN, INT32_MIN, INT32_MIN, INT32_MIN, INT32_MIN, INT32_MIN, INT32_MIN, INT32_MIN};
+    return (wide)((wide_mask)a & ~sign);
+}
+/* a b + c, fused where the machine can. */
+static inline wide wide_along(wide a, wide b, wide c) {
+#if defined(__FMA__)
+    return (wide)_mm256_fmadd_ps((__m256)a, (__m256)b, (__m256)c);
+#else
+    return a * b + c;
+#endif
+}
+static inline cpm_u32 wide_bits(wide_mask mask) {
+#if defined(__AVX2__)
+    return (cpm_u32)_mm256_movemask_ps((__m256)mask);
+#else
+    cpm_u32 bits = 0;
+    for (int i = 0; i < 8; i++) bits |= (cpm_u32)(mask[i] & 1) << i;
+    return bits;
+#endif
+}
+#define cpm_lowest_bit(bits) __builtin_ctz(bits)
+#endif
 #endif

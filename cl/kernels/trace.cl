@@ -15,7 +15,8 @@ __kernel void cpm_trace(__global const cpm_medium_data *medium, __global const d
     if (first < last) cpm_trace_range(&c, &m, table, &goal, &arrays, first, last);
 }
 
-/* n and (1/2) grad n^2 at points (x, y, z, scale each): out has n, gx, gy, gz each. count is a multiple of CPM_WIDTH. */
+/* n and (1/2) grad n^2 at points (x, y, z, scale each): out has n, gx, gy, gz each. count is a multiple of CPM_WIDTH.
+ */
 __kernel void cpm_evaluate(__global const cpm_medium_data *medium, __global const double *table,
                            __global const double *points, __global double *out) {
     cpm_medium_data m = *medium;

@@ -93,7 +93,7 @@ CPM_INLINE int cpm_curve_plane(const cpm_curve *k, cpm_vec point, cpm_vec normal
 }
 
 /* Barycentric coordinates (of corners 1 and 2) of a point on the triangle's plane; inside up to rounding. */
-CPM_INLINE int cpm_triangle_contains(const cpm_triangle *t, cpm_vec q, double *u, double *v) {
+CPM_INLINE int cpm_triangle_contains(CPM_GLOBAL const cpm_triangle *t, cpm_vec q, double *u, double *v) {
     cpm_vec w = cpm_v(q.x - t->corner[0], q.y - t->corner[1], q.z - t->corner[2]);
     cpm_vec e1 = cpm_v(t->edge1[0], t->edge1[1], t->edge1[2]), e2 = cpm_v(t->edge2[0], t->edge2[1], t->edge2[2]);
     cpm_vec n = cpm_v(t->normal[0], t->normal[1], t->normal[2]);
@@ -103,8 +103,8 @@ CPM_INLINE int cpm_triangle_contains(const cpm_triangle *t, cpm_vec q, double *u
 }
 
 /* First theta in (a, b] where the curve meets the triangle; below zero: none. */
-CPM_INLINE double cpm_curve_triangle(const cpm_curve *k, const cpm_triangle *t, int leaving, double a, double b,
-                                     double *u, double *v) {
+CPM_INLINE double cpm_curve_triangle(const cpm_curve *k, CPM_GLOBAL const cpm_triangle *t, int leaving, double a,
+                                     double b, double *u, double *v) {
     double roots[5];
     int count = cpm_curve_plane(k, cpm_v(t->corner[0], t->corner[1], t->corner[2]),
                                 cpm_v(t->normal[0], t->normal[1], t->normal[2]), leaving, a, b, roots);
@@ -122,8 +122,8 @@ typedef struct cpm_chord {
 
 /* As cpm_curve_triangle where the degree is 2: the distance from the plane over [a, b] has Bernstein coefficients fa,
  * fm, fb. All of one sign: no root. Ends on opposite sides: one root, the quadratic's with that slope. */
-CPM_INLINE double cpm_parabola_triangle(const cpm_curve *k, const cpm_triangle *t, int leaving, double a, double b,
-                                        double *u, double *v) {
+CPM_INLINE double cpm_parabola_triangle(const cpm_curve *k, CPM_GLOBAL const cpm_triangle *t, int leaving, double a,
+                                        double b, double *u, double *v) {
     cpm_vec n = cpm_v(t->normal[0], t->normal[1], t->normal[2]);
     double f0 = cpm_vdot(cpm_v(k->c[0].x - t->corner[0], k->c[0].y - t->corner[1], k->c[0].z - t->corner[2]), n);
     double f1 = cpm_vdot(k->c[1], n), f2 = cpm_vdot(k->c[2], n), root;
@@ -153,8 +153,8 @@ CPM_INLINE double cpm_parabola_triangle(const cpm_curve *k, const cpm_triangle *
 /* As cpm_curve_triangle, for a triangle that the ray does not start on: most are told apart by the chord's ends. Both
  * farther from the plane than the curve is from its chord, on one side: no root. On opposite sides, with the slope
  * (end - start distance) beyond what curvature can turn (4 off): one root, bracketed. */
-CPM_INLINE double cpm_chord_triangle(const cpm_curve *k, const cpm_chord *chord, const cpm_triangle *t, double b,
-                                     double *u, double *v) {
+CPM_INLINE double cpm_chord_triangle(const cpm_curve *k, const cpm_chord *chord, CPM_GLOBAL const cpm_triangle *t,
+                                     double b, double *u, double *v) {
     cpm_vec corner = cpm_v(t->corner[0], t->corner[1], t->corner[2]);
     cpm_vec n = cpm_v(t->normal[0], t->normal[1], t->normal[2]);
     double da = cpm_vdot(cpm_sub(chord->start, corner), n), db = cpm_vdot(cpm_sub(chord->end, corner), n);
@@ -173,7 +173,8 @@ CPM_INLINE double cpm_chord_triangle(const cpm_curve *k, const cpm_chord *chord,
 }
 
 /* First theta in (a, b] where |r - c|^2 = R^2; below -1: none. */
-CPM_INLINE double cpm_curve_sphere(const cpm_curve *k, const cpm_sphere *s, int leaving, double a, double b) {
+CPM_INLINE double cpm_curve_sphere(const cpm_curve *k, CPM_GLOBAL const cpm_sphere *s, int leaving, double a,
+                                   double b) {
     double f[CPM_ROOTS_MAX_DEGREE + 1], roots[CPM_ROOTS_MAX_DEGREE];
     cpm_vec c[6];
     c[0] = cpm_v(k->c[0].x - s->center[0], k->c[0].y - s->center[1], k->c[0].z - s->center[2]);

@@ -9,21 +9,24 @@
 #include "vec.h"
 
 /* `v` need not be unit; zero encodes as +z. */
-CPM_INLINE unsigned int cpm_octahedral_encode(cpm_vec v) {
-    double ax = v.x < 0.0 ? -v.x : v.x, ay = v.y < 0.0 ? -v.y : v.y, az = v.z < 0.0 ? -v.z : v.z;
-    double sum = ax + ay + az;
-    if (!(sum > 0.0)) return 0u;
-    double a = ax / sum, b = ay / sum; /* the upper half: |u| + |v| <= 1 */
-    if (v.z < 0.0) {
-        double folded = 1.0 - b;
-        b = 1.0 - a;
-        a = folded;
-    }
-    int u = (int)(a * 32767.0 + 0.5), w = (int)(b * 32767.0 + 0.5);
-    if (v.x < 0.0) u = -u;
-    if (v.y < 0.0) w = -w;
-    return ((unsigned int)u & 0xffffu) | ((unsigned int)w & 0xffffu) << 16;
+CPM_INLINE word octahedral_encode(real3 v) {
+    real ax = magnitude(v.x), ay = magnitude(v.y), sum = ax + ay + magnitude(v.z);
+    real a = ax / sum, b = ay / sum; /* the upper half: |u| + |v| <= 1 */
+    mask below = less(v.z, splat(0.0));
+    real folded = R(1.0) - b;
+    b = pick(below, R(1.0) - a, b);
+    a = pick(below, folded, a);
+    a = floor_lanes(a * R(32767.0) + R(0.5)), b = floor_lanes(b * R(32767.0) + R(0.5));
+    /* negative ones keep their low 16 bits: those of 65536 - |u| */
+    a = pick(less(v.x, splat(0.0)) & less(splat(0.0), a), R(65536.0) - a, a);
+    b = pick(less(v.y, splat(0.0)) & less(splat(0.0), b), R(65536.0) - b, b);
+    mask known = less(splat(0.0), sum);
+    a = pick(known, a, splat(0.0)), b = pick(known, b, splat(0.0));
+    return real_words(a) | real_words(b) << 16;
 }
+#if CPM_WIDTH == 1 && !CPM_SINGLE
+CPM_INLINE unsigned int cpm_octahedral_encode(cpm_vec v) { return (unsigned int)octahedral_encode(v); }
+#endif
 
 typedef struct cpm_octahedral {
     int x, y, z; /* |x| + |y| + |z| = 32767: a point of the octahedron, not a unit vector */

@@ -1,8 +1,10 @@
-/* shared/sobol.h: four dimensions of Sobol's sequence, Owen-scrambled: points that cover evenly without a lattice's moire.
+/* shared/sobol.h: four dimensions of Sobol's sequence, Owen-scrambled: points that cover evenly without a lattice's
+ * moire.
  *
  * Direction numbers: Joe and Kuo, Constructing Sobol sequences with better two-dimensional projections. SIAM J. Sci.
- * Comput. 30(5), 2008: (s, a, m) = van der Corput; (1, 0, 1); (2, 1, 1 3); (3, 1, 1 3 1). Scrambling: nested, by a hash of
- * the higher bits (Laine and Karras, Stratified sampling for stochastic transparency. EGSR 2011; constants: Vegdahl 2021). */
+ * Comput. 30(5), 2008: (s, a, m) = van der Corput; (1, 0, 1); (2, 1, 1 3); (3, 1, 1 3 1). Scrambling: nested, by a hash
+ * of the higher bits (Laine and Karras, Stratified sampling for stochastic transparency. EGSR 2011; constants: Vegdahl
+ * 2021). */
 #ifndef CPM_SHARED_SOBOL_H
 #define CPM_SHARED_SOBOL_H
 #include "../dialect.h"
@@ -28,42 +30,47 @@ CPM_CONSTANT_TABLE cpm_u32 cpm_sobol_directions[CPM_SOBOL_DIMENSIONS][32] = {
      0x58800080u, 0xe54000c0u, 0x79e00020u, 0xb6d00050u, 0x800800f8u, 0xc00c0074u, 0x200200a2u, 0x50050093u},
 };
 
-CPM_INLINE cpm_u32 cpm_reverse_bits(cpm_u32 x) {
-    x = (x >> 16) | (x << 16);
-    x = ((x & 0xff00ff00u) >> 8) | ((x & 0x00ff00ffu) << 8);
-    x = ((x & 0xf0f0f0f0u) >> 4) | ((x & 0x0f0f0f0fu) << 4);
-    x = ((x & 0xccccccccu) >> 2) | ((x & 0x33333333u) << 2);
-    return ((x & 0xaaaaaaaau) >> 1) | ((x & 0x55555555u) << 1);
+/* Words of 32 bits in lanes of 64. */
+#define CPM_32(x) ((x)&CPM_U64(0xffffffff))
+
+CPM_INLINE word reverse_bits(word x) {
+    x = (x >> 16) | CPM_32(x << 16);
+    x = ((x & CPM_U64(0xff00ff00)) >> 8) | ((x & CPM_U64(0x00ff00ff)) << 8);
+    x = ((x & CPM_U64(0xf0f0f0f0)) >> 4) | ((x & CPM_U64(0x0f0f0f0f)) << 4);
+    x = ((x & CPM_U64(0xcccccccc)) >> 2) | ((x & CPM_U64(0x33333333)) << 2);
+    return ((x & CPM_U64(0xaaaaaaaa)) >> 1) | ((x & CPM_U64(0x55555555)) << 1);
 }
 
-/* Each bit is flipped or not by a hash of the bits above it: strata of every power of two stay strata. */
-CPM_INLINE cpm_u32 cpm_owen_scramble(cpm_u32 x, cpm_u32 seed) {
-    x = cpm_reverse_bits(x);
-    x ^= x * 0x3d20adeau;
-    x += seed;
-    x *= (seed >> 16) | 1u;
-    x ^= x * 0x05526c56u;
-    x ^= x * 0x53a22864u;
-    return cpm_reverse_bits(x);
+/* Each bit is flipped or not by a hash of the bits above it: strata of every power of two stay strata. `reversed`: the
+ * bits of x, from the last to the first. */
+CPM_INLINE word owen_scramble(word reversed, cpm_u32 seed) {
+    word x = reversed;
+    x ^= CPM_32(word_product(x, CPM_U64(0x3d20adea)));
+    x = CPM_32(x + (cpm_u64)seed);
+    x = CPM_32(word_product(x, (cpm_u64)((seed >> 16) | 1u)));
+    x ^= CPM_32(word_product(x, CPM_U64(0x05526c56)));
+    x ^= CPM_32(word_product(x, CPM_U64(0x53a22864)));
+    return reverse_bits(x);
 }
 
-/* The second dimension's matrix is Pascal's triangle modulo 2: column k has row j where the bits of j are among those of
- * k (Lucas). So the product is a sum over supersets, five steps for 32 bits; the sequence's bits come out reversed. */
-CPM_INLINE cpm_u32 cpm_pascal(cpm_u32 x) {
-    x ^= (x >> 1) & 0x55555555u;
-    x ^= (x >> 2) & 0x33333333u;
-    x ^= (x >> 4) & 0x0f0f0f0fu;
-    x ^= (x >> 8) & 0x00ff00ffu;
-    return x ^ ((x >> 16) & 0x0000ffffu);
+/* The second dimension's matrix is Pascal's triangle modulo 2: column k has row j where the bits of j are among those
+ * of k (Lucas). So the product is a sum over supersets, five steps for 32 bits; the sequence's bits come out reversed.
+ */
+CPM_INLINE word pascal_product(word x) {
+    x ^= (x >> 1) & CPM_U64(0x55555555);
+    x ^= (x >> 2) & CPM_U64(0x33333333);
+    x ^= (x >> 4) & CPM_U64(0x0f0f0f0f);
+    x ^= (x >> 8) & CPM_U64(0x00ff00ff);
+    return x ^ ((x >> 16) & CPM_U64(0x0000ffff));
 }
 
-/* Point `index` in one dimension, as 32 bits of a fraction. */
-CPM_INLINE cpm_u32 cpm_sobol(cpm_u32 index, int dimension, cpm_u32 seed) {
-    cpm_u32 x = 0;
-    if (dimension == 0) return cpm_owen_scramble(cpm_reverse_bits(index), seed); /* van der Corput */
-    if (dimension == 1) return cpm_owen_scramble(cpm_reverse_bits(cpm_pascal(index)), seed);
-    for (int bit = 0; index; bit++, index >>= 1)
-        if (index & 1u) x ^= cpm_sobol_directions[dimension][bit];
-    return cpm_owen_scramble(x, seed);
+/* Point `index` (below 2^32) in one dimension, as 32 bits of a fraction. */
+CPM_INLINE word sobol_lanes(word index, int dimension, cpm_u32 seed) {
+    if (dimension == 0) return owen_scramble(index, seed); /* van der Corput: the bits reversed */
+    if (dimension == 1) return owen_scramble(pascal_product(index), seed);
+    word x = splat_word(0);
+    for (int bit = 0; bit < 32; bit++) /* 0 - 1 is all ones */
+        x ^= (CPM_U64(0) - ((index >> bit) & CPM_U64(1))) & (cpm_u64)cpm_sobol_directions[dimension][bit];
+    return owen_scramble(reverse_bits(x), seed);
 }
 #endif

@@ -11,8 +11,8 @@
 typedef struct tree_node {
     int32_t primitive; /* a leaf's; -1: inner */
     uint32_t count;
-    struct tree_node *child[CPM_BVH_WIDTH];
-    struct RTCBounds bounds[CPM_BVH_WIDTH];
+    struct tree_node *child[CPM_TREE_WIDTH];
+    struct RTCBounds bounds[CPM_TREE_WIDTH];
 } tree_node;
 
 static void *create_node(RTCThreadLocalAllocator allocator, unsigned count, void *user) {
@@ -51,8 +51,8 @@ static size_t inner_nodes(const tree_node *node, int depth, int *deepest) {
     return count;
 }
 
-static void clear(cpm_bvh_node *node) {
-    for (int i = 0; i < CPM_BVH_WIDTH; i++) {
+static void clear(cpm_tree_node *node) {
+    for (int i = 0; i < CPM_TREE_WIDTH; i++) {
         for (int k = 0; k < 3; k++) node->box[k][i] = INFINITY, node->box[3 + k][i] = -INFINITY;
         for (int k = 0; k < CPM_FACE_ROWS; k++) node->face[k][i] = 0.0f;
         node->child[i] = 0;
@@ -60,18 +60,24 @@ static void clear(cpm_bvh_node *node) {
     node->leaves = 0;
 }
 
-static void set_box(cpm_bvh_node *node, uint32_t i, const struct RTCBounds *b) {
+static void set_box(cpm_tree_node *node, uint32_t i, const struct RTCBounds *b) {
     node->box[0][i] = b->lower_x, node->box[1][i] = b->lower_y, node->box[2][i] = b->lower_z;
     node->box[3][i] = b->upper_x, node->box[4][i] = b->upper_y, node->box[5][i] = b->upper_z;
 }
 
-static void set_leaf(cpm_bvh_node *node, uint32_t i, int32_t primitive, const cpm_bvh_leaf *leaf) {
+static void set_leaf(cpm_tree_node *node, uint32_t i, int32_t primitive, const cpm_bvh_leaf *leaf) {
     node->child[i] = ~primitive;
     node->leaves |= 1u << i;
     for (int k = 0; k < CPM_FACE_ROWS; k++) node->face[k][i] = leaf->face[k];
 }
 
-static int32_t flatten(cpm_bvh *bvh, const tree_node *from, const cpm_bvh_leaf *leaves) {
+/* What is laid out so far. */
+typedef struct layout {
+    cpm_tree_node *nodes;
+    size_t count;
+} layout;
+
+static int32_t flatten(layout *bvh, const tree_node *from, const cpm_bvh_leaf *leaves) {
     size_t at = bvh->count++;
     clear(&bvh->nodes[at]);
     for (uint32_t i = 0; i < from->count; i++) {
@@ -87,19 +93,19 @@ static int32_t flatten(cpm_bvh *bvh, const tree_node *from, const cpm_bvh_leaf *
     return (int32_t)at;
 }
 
-static int allocate(cpm_bvh *bvh, size_t nodes, const char **why) {
+static int allocate(layout *bvh, size_t nodes, const char **why) {
     bvh->nodes = aligned_alloc(64, nodes * sizeof *bvh->nodes);
     if (!bvh->nodes) *why = "no memory for the tree of the scene's primitives";
     return bvh->nodes != NULL;
 }
 
-int cpm_bvh_build(void *embree_device, const cpm_bvh_leaf *leaves, size_t count, cpm_bvh *bvh, const char **why) {
-    bvh->nodes = NULL, bvh->count = 0;
-    if (!count) return 1;
+cpm_tree_node *cpm_bvh_build(void *embree_device, const cpm_bvh_leaf *leaves, size_t count, size_t *node_count,
+                             const char **why) {
+    layout laid = {NULL, 0}, *bvh = &laid;
     struct RTCBuildPrimitive *primitives = aligned_alloc(32, count * sizeof *primitives);
     if (!primitives) {
         *why = "no memory to build the tree of the scene's primitives";
-        return 0;
+        return NULL;
     }
     for (size_t i = 0; i < count; i++) {
         const float *b = leaves[i].box;
@@ -107,7 +113,7 @@ int cpm_bvh_build(void *embree_device, const cpm_bvh_leaf *leaves, size_t count,
     }
     RTCBVH tree = rtcNewBVH(embree_device);
     struct RTCBuildArguments a = rtcDefaultBuildArguments();
-    a.maxBranchingFactor = CPM_BVH_WIDTH;
+    a.maxBranchingFactor = CPM_TREE_WIDTH;
     a.maxLeafSize = 1;
     a.bvh = tree;
     a.primitives = primitives;
@@ -133,7 +139,7 @@ int cpm_bvh_build(void *embree_device, const cpm_bvh_leaf *leaves, size_t count,
     } else {
         int deepest = 0;
         size_t nodes = inner_nodes(root, 1, &deepest);
-        if (deepest > CPM_BVH_DEPTH)
+        if (deepest > CPM_TREE_DEPTH)
             *why = "the tree of the scene's primitives is too deep";
         else
             done = allocate(bvh, nodes, why);
@@ -141,10 +147,6 @@ int cpm_bvh_build(void *embree_device, const cpm_bvh_leaf *leaves, size_t count,
     }
     rtcReleaseBVH(tree);
     free(primitives);
-    return done;
-}
-
-void cpm_bvh_free(cpm_bvh *bvh) {
-    free(bvh->nodes);
-    bvh->nodes = NULL, bvh->count = 0;
+    *node_count = laid.count;
+    return done ? laid.nodes : NULL;
 }

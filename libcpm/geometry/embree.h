@@ -31,6 +31,19 @@ static inline void cpm_embree_intersect(RTCScene scene, cpm_embree_context *cont
 #endif
 }
 
+/* Four rays, those whose `valid` is -1. */
+static inline void cpm_embree_intersect4(const int *valid, RTCScene scene, cpm_embree_context *context,
+                                         struct RTCRayHit4 *rays) {
+#if CPM_EMBREE == 4
+    struct RTCIntersectArguments arguments;
+    rtcInitIntersectArguments(&arguments);
+    arguments.context = context;
+    rtcIntersect4(valid, scene, rays, &arguments);
+#else
+    rtcIntersect4(valid, scene, context, rays);
+#endif
+}
+
 /* Any hit: tfar becomes -infinity. */
 static inline void cpm_embree_occluded(RTCScene scene, cpm_embree_context *context, struct RTCRay *ray) {
 #if CPM_EMBREE == 4

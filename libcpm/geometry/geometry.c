@@ -8,12 +8,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cl/shared/scatter.h"
 #include "embree.h"
 #include "parts.h"
 
 #define SAGITTA_OF_DIAGONAL 0.02 /* the farthest that a chord may be from its curve: of the scene */
 #define SAGITTA_OF_EDGE 0.5      /* and of the median edge of small triangles */
-#define STEP_BACK 1e-12
 
 int cpm_triangle_complete(cpm_triangle *t, double scale) {
     cpm_vec e1 = cpm_v(t->edge1[0], t->edge1[1], t->edge1[2]), e2 = cpm_v(t->edge2[0], t->edge2[1], t->edge2[2]);
@@ -41,7 +41,7 @@ static double choose_sagitta(const cpm_geometry *g, double diagonal) {
     size_t count = g->triangle_count < 1024 ? g->triangle_count : 1024;
     if (!count) return cap;
     for (size_t i = 0; i < count; i++) {
-        const cpm_triangle *t = &g->triangles[i * g->triangle_count / count];
+        const cpm_triangle *t = &g->tree.triangles[i * g->triangle_count / count];
         double a = 0.0, b = 0.0;
         for (int k = 0; k < 3; k++) a += t->edge1[k] * t->edge1[k], b += t->edge2[k] * t->edge2[k];
         edges[i] = sqrt(cpm_max(a, b));
@@ -52,15 +52,17 @@ static double choose_sagitta(const cpm_geometry *g, double diagonal) {
 
 cpm_box cpm_geometry_box(const cpm_geometry *geometry) { return geometry->box; }
 
+double cpm_geometry_scale(const cpm_geometry *geometry) { return geometry->tree.frame.scale; }
+
 void cpm_primitive_box(const cpm_geometry *g, size_t primitive, double low[3], double high[3]) {
     if (primitive < g->triangle_count) {
-        const cpm_triangle *t = &g->triangles[primitive];
+        const cpm_triangle *t = &g->tree.triangles[primitive];
         for (int k = 0; k < 3; k++) {
             double a = t->corner[k], b = a + t->edge1[k], c = a + t->edge2[k];
             low[k] = cpm_min(a, cpm_min(b, c)), high[k] = cpm_max(a, cpm_max(b, c));
         }
     } else {
-        const cpm_sphere *s = &g->spheres[primitive - g->triangle_count];
+        const cpm_sphere *s = &g->tree.spheres[primitive - g->triangle_count];
         for (int k = 0; k < 3; k++) low[k] = s->center[k] - s->radius, high[k] = s->center[k] + s->radius;
     }
 }
@@ -82,8 +84,8 @@ cpm_status cpm_geometry_create(cpm_context *context, const cpm_triangle *triangl
     cpm_geometry *g = calloc(1, sizeof *g);
     *geometry = NULL;
     if (!g) return cpm_fail(context, CPM_ERROR_OUT_OF_MEMORY, "no memory for the scene's geometry");
-    g->triangles = triangles, g->triangle_count = triangle_count;
-    g->spheres = spheres, g->sphere_count = sphere_count;
+    g->tree.triangles = triangles, g->triangle_count = triangle_count;
+    g->tree.spheres = spheres, g->sphere_count = sphere_count;
     measure_box(g);
     if (triangle_count + sphere_count) {
         double d2 = 0.0;
@@ -92,10 +94,15 @@ cpm_status cpm_geometry_create(cpm_context *context, const cpm_triangle *triangl
             double size = g->box.high[k] - g->box.low[k];
             center[k] = 0.5 * (g->box.low[k] + g->box.high[k]);
             d2 += size * size;
-            g->scale = cpm_max(g->scale, 0.5 * size);
+            g->tree.frame.scale = cpm_max(g->tree.frame.scale, 0.5 * size);
         }
         g->center = cpm_v(center[0], center[1], center[2]);
-        g->sagitta = choose_sagitta(g, sqrt(d2));
+        for (int k = 0; k < 3; k++)
+            g->tree.frame.center[k] = center[k], g->tree.frame.low[k] = g->box.low[k],
+            g->tree.frame.high[k] = g->box.high[k];
+        g->tree.frame.unit = 1.0 / g->tree.frame.scale;
+        g->tree.frame.triangle_count = (cpm_i32)triangle_count, g->tree.frame.sphere_count = (cpm_i32)sphere_count;
+        g->tree.frame.sagitta = choose_sagitta(g, sqrt(d2));
     }
     *geometry = g;
     return CPM_OK;
@@ -104,7 +111,7 @@ cpm_status cpm_geometry_create(cpm_context *context, const cpm_triangle *triangl
 void cpm_geometry_free(cpm_geometry *g) {
     if (!g) return;
     if (g->straight) rtcReleaseScene(g->straight);
-    cpm_bvh_free(&g->curved);
+    free((void *)(uintptr_t)g->tree.nodes);
     if (g->device) rtcReleaseDevice(g->device);
     free(g);
 }
@@ -126,18 +133,19 @@ static const cpm_curve_code *curve_code_for(cpm_isa isa) {
 void cpm_geometry_curve(const cpm_geometry *g, const cpm_curve *curve, double theta_end, int32_t left, double slack,
                         const cpm_filter *filter, cpm_hit *hit) {
     hit->primitive = -1;
-    if (g->curved.nodes) g->curve_code->first_hit(g, curve, theta_end, left, slack, filter, hit);
+    if (g->tree.nodes) g->curve_code->first_hit(&g->tree, curve, theta_end, left, slack, filter, hit);
 }
 
 void cpm_geometry_curves(const cpm_geometry *g, const cpm_curve *curves, const double *from, const int32_t *left,
                          size_t count, cpm_hit *hits) {
     for (size_t i = 0; i < count; i++) hits[i].primitive = -1;
-    if (g->curved.nodes) g->curve_code->first_hits(g, curves, from, left, count, hits);
+    if (g->tree.nodes) g->curve_code->first_hits(&g->tree, curves, from, left, count, hits);
 }
 
 /* An affine function of position as the tree has it: slope . (r - point) with r = center + q/unit. */
 static void set_row(const cpm_geometry *g, float *row, cpm_vec slope, cpm_vec point) {
-    row[0] = (float)(slope.x / g->unit), row[1] = (float)(slope.y / g->unit), row[2] = (float)(slope.z / g->unit);
+    row[0] = (float)(slope.x / g->tree.frame.unit), row[1] = (float)(slope.y / g->tree.frame.unit),
+    row[2] = (float)(slope.z / g->tree.frame.unit);
     row[3] = (float)cpm_vdot(slope, cpm_sub(g->center, point));
 }
 
@@ -148,15 +156,15 @@ static void set_leaf(const cpm_geometry *g, size_t primitive, cpm_bvh_leaf *leaf
     memset(leaf, 0, sizeof *leaf);
     cpm_primitive_box(g, primitive, low, high);
     for (int k = 0; k < 3; k++) {
-        leaf->box[k] = (float)((low[k] - center[k]) * g->unit);
-        leaf->box[3 + k] = (float)((high[k] - center[k]) * g->unit);
+        leaf->box[k] = (float)((low[k] - center[k]) * g->tree.frame.unit);
+        leaf->box[3 + k] = (float)((high[k] - center[k]) * g->tree.frame.unit);
     }
     if (primitive >= g->triangle_count) return;
-    const cpm_triangle *t = &g->triangles[primitive];
+    const cpm_triangle *t = &g->tree.triangles[primitive];
     const cpm_vec corner = cpm_v(t->corner[0], t->corner[1], t->corner[2]);
     const cpm_vec e1 = cpm_v(t->edge1[0], t->edge1[1], t->edge1[2]), e2 = cpm_v(t->edge2[0], t->edge2[1], t->edge2[2]);
     const cpm_vec n = cpm_v(t->normal[0], t->normal[1], t->normal[2]);
-    set_row(g, &leaf->face[CPM_FACE_PLANE], cpm_scaled(g->unit / t->normal_length, n), corner);
+    set_row(g, &leaf->face[CPM_FACE_PLANE], cpm_scaled(g->tree.frame.unit / t->normal_length, n), corner);
     set_row(g, &leaf->face[CPM_FACE_U], cpm_scaled(t->inverse_area2, cpm_cross(e2, n)), corner);
     set_row(g, &leaf->face[CPM_FACE_V], cpm_scaled(t->inverse_area2, cpm_cross(n, e1)), corner);
 }
@@ -165,15 +173,13 @@ static cpm_status build_curved(cpm_context *context, cpm_geometry *g) {
     const size_t count = g->triangle_count + g->sphere_count;
     const char *why = "no memory to build the tree of the scene's primitives";
     cpm_bvh_leaf *leaves = malloc(count * sizeof *leaves);
-    int built = 0;
-    g->unit = 1.0 / g->scale;
     g->curve_code = curve_code_for(cpm_isa_chosen());
     if (leaves) {
         for (size_t i = 0; i < count; i++) set_leaf(g, i, &leaves[i]);
-        built = cpm_bvh_build(g->device, leaves, count, &g->curved, &why);
+        g->tree.nodes = cpm_bvh_build(g->device, leaves, count, &g->node_count, &why);
         free(leaves);
     }
-    return built ? CPM_OK : cpm_fail(context, CPM_ERROR_BACKEND, "%s", why);
+    return g->tree.nodes ? CPM_OK : cpm_fail(context, CPM_ERROR_BACKEND, "%s", why);
 }
 
 cpm_status cpm_geometry_prepare(cpm_context *context, cpm_geometry *g, int straight, int curved) {
@@ -185,38 +191,21 @@ cpm_status cpm_geometry_prepare(cpm_context *context, cpm_geometry *g, int strai
         if (!g->device) return cpm_fail(context, CPM_ERROR_BACKEND, "Embree gave no device");
     }
     /* straight rays fall back on the curves' tree near edges */
-    if ((curved || straight) && !g->curved.nodes) {
+    if ((curved || straight) && !g->tree.nodes) {
         cpm_status status = build_curved(context, g);
         if (status) return status;
     }
     return straight && !g->straight ? cpm_straight_build(context, g) : CPM_OK;
 }
 
-int cpm_clip_to_box(const cpm_geometry *g, cpm_vec o, cpm_vec d, double grow, double *enter, double *leave) {
-    const double *low = g->box.low, *high = g->box.high;
-    double origin[3] = {o.x, o.y, o.z}, direction[3] = {d.x, d.y, d.z};
-    for (int k = 0; k < 3; k++) {
-        double t0 = (low[k] - grow - origin[k]) / direction[k], t1 = (high[k] + grow - origin[k]) / direction[k];
-        if (direction[k] == 0.0) {
-            if (origin[k] < low[k] - grow || origin[k] > high[k] + grow) return 0;
-            continue;
-        }
-        *enter = cpm_max(*enter, cpm_min(t0, t1));
-        *leave = cpm_min(*leave, cpm_max(t0, t1));
-    }
-    return *enter <= *leave;
-}
-
 cpm_vec cpm_geometry_step_back(const cpm_geometry *g, const cpm_hit *hit, cpm_vec start, cpm_vec came) {
-    double size = g->scale + fabs(hit->position.x) + fabs(hit->position.y) + fabs(hit->position.z);
-    double back = cpm_min(STEP_BACK * size, 0.5 * cpm_norm(cpm_sub(hit->position, start)));
-    return cpm_along(hit->position, -back, came);
+    return scatter_step_back(hit->position, start, came, g->tree.frame.scale);
 }
 
 int cpm_geometry_near_edge(const cpm_geometry *g, const cpm_hit *hit) {
     if ((size_t)hit->primitive >= g->triangle_count) return 1;
     double least = cpm_min(hit->u, cpm_min(hit->v, 1.0 - hit->u - hit->v));
-    return !(least > g->triangles[hit->primitive].near_edge);
+    return !(least > g->tree.triangles[hit->primitive].near_edge);
 }
 
 const char *cpm_geometry_embree_version(void) {

@@ -2,21 +2,15 @@
  *
  * Two ways to ask, each built when first needed:
  *  - straight: Embree's own triangles (float, ROBUST), the hit polished in double;
- *  - curve: a tree of our own (bvh.h) whose boxes and triangles grow by what a curve strays from its chord; what may be
- *    met is then tested on the curve itself, in double. */
+ *  - curve: a tree of our own (cl/shared/walk.h) whose boxes and triangles grow by what a curve strays from its chord;
+ * what may be met is then tested on the curve itself, in double. */
 #ifndef CPM_GEOMETRY_H
 #define CPM_GEOMETRY_H
 #include "api/context.h"
 #include "cl/shared/curve.h"
+#include "cl/types/tree.h" /* cpm_hit */
 
 typedef struct cpm_geometry cpm_geometry;
-
-typedef struct cpm_hit {
-    int32_t primitive; /* -1: none */
-    double t;          /* straight: distance; curve: theta */
-    double u, v;       /* barycentric */
-    cpm_vec position;  /* on the ray, metres */
-} cpm_hit;
 
 /* Borrows the arrays. Primitives are numbered triangles first, then spheres. */
 cpm_status cpm_geometry_create(cpm_context *context, const cpm_triangle *triangles, size_t triangle_count,
@@ -31,6 +25,8 @@ int cpm_triangle_complete(cpm_triangle *triangle, double scale);
 
 /* The box of all primitives; empty (low > high) without any. */
 cpm_box cpm_geometry_box(const cpm_geometry *geometry);
+/* Its largest coordinate from the middle, metres. */
+double cpm_geometry_scale(const cpm_geometry *geometry);
 
 /* Every query: may a primitive be met at or about its start? NULL: yes. Asked only of what lies within `slack` of the
  * start, on a path that goes `direction` (not unit there). */
@@ -46,6 +42,16 @@ typedef struct cpm_filter {
 void cpm_geometry_straight(const cpm_geometry *geometry, cpm_vec origin, cpm_vec direction, int32_t left, double slack,
                            const cpm_filter *filter, int exact, cpm_hit *hit);
 
+/* The same for many rays, four to a call of Embree: no answer depends on what is asked beside it. */
+typedef struct cpm_straight_ray {
+    const cpm_vec *origin, *direction;
+    int32_t left, exact;
+    double slack;
+    const cpm_filter *filter;
+    cpm_hit *hit;
+} cpm_straight_ray;
+void cpm_geometry_straight_many(const cpm_geometry *geometry, const cpm_straight_ray *rays, size_t count);
+
 /* First hit of the curve for theta in (0, theta_end]; `left` and `slack` (in theta) as above. */
 void cpm_geometry_curve(const cpm_geometry *geometry, const cpm_curve *curve, double theta_end, int32_t left,
                         double slack, const cpm_filter *filter, cpm_hit *hit);
@@ -55,10 +61,7 @@ void cpm_geometry_curve(const cpm_geometry *geometry, const cpm_curve *curve, do
 void cpm_geometry_curves(const cpm_geometry *geometry, const cpm_curve *curves, const double *from, const int32_t *left,
                          size_t count, cpm_hit *hits);
 
-/* Where a ray that is thrown back starts: the hit, a hair back along the way that it came (1e-12 of the scene, above
- * rounding, below everything else). At an edge or in a corner the hit itself lies on several walls, and which side of
- * the others it is on is rounding's choice; the way that it came is inside of all of them. Never more than half the way
- * back to `start`. */
+/* Where a ray that is thrown back starts: scatter_step_back (cl/shared/scatter.h) in this scene. */
 cpm_vec cpm_geometry_step_back(const cpm_geometry *geometry, const cpm_hit *hit, cpm_vec start, cpm_vec came);
 
 /* Is the hit so near an edge of its triangle that the next straight ray has to be asked exactly? */

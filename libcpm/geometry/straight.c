@@ -4,23 +4,29 @@
 #include <math.h>
 #include <string.h>
 
+#include "cl/shared/clip.h"
 #include "embree.h"
 #include "parts.h"
 
-/* One query: what the callbacks need beside Embree's float ray. */
+/* One query: what the callbacks need beside Embree's float rays. */
 typedef struct query {
     cpm_embree_context base; /* first: Embree hands it back */
     const cpm_geometry *geometry;
-    const cpm_curve *line;
-    int32_t left;
-    const cpm_filter *filter;
+    const cpm_straight_ray *const *rays; /* one a lane */
 } query;
+
+static cpm_curve line_of(const cpm_straight_ray *ray) {
+    cpm_curve line;
+    line.degree = 1;
+    line.c[0] = *ray->origin, line.c[1] = *ray->direction;
+    return line;
+}
 
 /* ------------------------------------------------------------------------------------------------ building */
 
 static void sphere_bounds(const struct RTCBoundsFunctionArguments *args) {
     const cpm_geometry *g = args->geometryUserPtr;
-    double low[3], high[3], margin = 8.0 * ULP * g->scale;
+    double low[3], high[3], margin = 8.0 * ULP * g->tree.frame.scale;
     cpm_primitive_box(g, g->triangle_count + args->primID, low, high);
     struct RTCBounds *o = args->bounds_o;
     o->lower_x = (float)(low[0] - g->center.x - margin), o->upper_x = (float)(high[0] - g->center.x + margin);
@@ -28,27 +34,40 @@ static void sphere_bounds(const struct RTCBoundsFunctionArguments *args) {
     o->lower_z = (float)(low[2] - g->center.z - margin), o->upper_z = (float)(high[2] - g->center.z + margin);
 }
 
-/* The same for any-hit queries. */
-static void sphere_occluded(const struct RTCOccludedFunctionNArguments *args) {
-    if (!args->valid[0]) return;
-    query *q = (query *)(void *)args->context;
-    struct RTCRay *ray = (struct RTCRay *)(void *)args->ray;
-    double t = cpm_curve_sphere(q->line, &q->geometry->spheres[args->primID], 0, 0.0, (double)ray->tfar);
-    if (t > 0.0) ray->tfar = -INFINITY;
+/* Spheres among Embree's triangles: the straight ray in double, t in metres. Where it meets one before `far`; 0:
+ * nowhere. */
+static double sphere_hit(const query *q, unsigned lane, unsigned number, float far) {
+    const cpm_straight_ray *ray = q->rays[lane];
+    const cpm_curve line = line_of(ray);
+    const int32_t primitive = (int32_t)(q->geometry->triangle_count + number);
+    return cpm_curve_sphere(&line, &q->geometry->tree.spheres[number], primitive == ray->left, 0.0, (double)far);
 }
 
-/* Spheres among Embree's triangles: the straight ray in double; t is in metres there, as the query's curve is. */
+/* Embree's packets of any size N are arrays of N, one after the other, in the order of struct RTCRayHit (its accessors
+ * are C++ only). */
+enum {
+    FAR = offsetof(struct RTCRay, tfar) / 4,
+    PRIMITIVE = offsetof(struct RTCRayHit, hit.primID) / 4,
+    GEOMETRY = offsetof(struct RTCRayHit, hit.geomID) / 4
+};
+
+static void sphere_occluded(const struct RTCOccludedFunctionNArguments *args) {
+    float *far = (float *)(void *)args->ray + FAR * args->N;
+    for (unsigned i = 0; i < args->N; i++)
+        if (args->valid[i] && sphere_hit((query *)(void *)args->context, i, args->primID, far[i]) > 0.0)
+            far[i] = -INFINITY;
+}
+
 static void sphere_intersect(const struct RTCIntersectFunctionNArguments *args) {
-    if (!args->valid[0]) return;
-    query *q = (query *)(void *)args->context;
-    struct RTCRayHit *rayhit = (struct RTCRayHit *)(void *)args->rayhit;
-    size_t primitive = q->geometry->triangle_count + args->primID;
-    double t = cpm_curve_sphere(q->line, &q->geometry->spheres[args->primID], (int32_t)primitive == q->left, 0.0,
-                                (double)rayhit->ray.tfar);
-    if (!(t > 0.0)) return;
-    rayhit->ray.tfar = (float)t;
-    rayhit->hit.geomID = 1;
-    rayhit->hit.primID = args->primID;
+    float *far = (float *)(void *)args->rayhit + FAR * args->N;
+    unsigned *geometry = (unsigned *)(void *)args->rayhit + GEOMETRY * args->N;
+    unsigned *primitive = (unsigned *)(void *)args->rayhit + PRIMITIVE * args->N;
+    for (unsigned i = 0; i < args->N; i++) {
+        double t = args->valid[i] ? sphere_hit((query *)(void *)args->context, i, args->primID, far[i]) : 0.0;
+        if (!(t > 0.0)) continue;
+        far[i] = (float)t;
+        geometry[i] = 1, primitive[i] = args->primID;
+    }
 }
 
 static cpm_status embree_failed(cpm_context *context, cpm_geometry *g) {
@@ -71,7 +90,7 @@ cpm_status cpm_straight_build(cpm_context *context, cpm_geometry *g) {
         }
         double center[3] = {g->center.x, g->center.y, g->center.z};
         for (size_t i = 0; i < g->triangle_count; i++) {
-            const cpm_triangle *t = &g->triangles[i];
+            const cpm_triangle *t = &g->tree.triangles[i];
             for (int k = 0; k < 3; k++) {
                 double a = t->corner[k] - center[k];
                 vertices[9 * i + (size_t)k] = (float)a;
@@ -101,97 +120,127 @@ cpm_status cpm_straight_build(cpm_context *context, cpm_geometry *g) {
 
 /* ------------------------------------------------------------------------------------------------- asking */
 
-static void set_ray(struct RTCRayHit *rayhit, cpm_vec origin, cpm_vec direction, float near, float far) {
-    memset(rayhit, 0, sizeof *rayhit);
-    rayhit->ray.org_x = (float)origin.x, rayhit->ray.org_y = (float)origin.y, rayhit->ray.org_z = (float)origin.z;
-    rayhit->ray.dir_x = (float)direction.x, rayhit->ray.dir_y = (float)direction.y,
-    rayhit->ray.dir_z = (float)direction.z;
-    rayhit->ray.tnear = near;
-    rayhit->ray.tfar = far;
-    rayhit->ray.mask = 0xFFFFFFFFu;
-    rayhit->hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    rayhit->hit.primID = RTC_INVALID_GEOMETRY_ID;
-    rayhit->hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+/* In double throughout, by the curves' way. */
+static void ask_exactly(const cpm_geometry *g, const cpm_straight_ray *ray) {
+    double enter = -ray->slack, leave = INFINITY;
+    ray->hit->primitive = -1;
+    if (!cpm_clip_to_box(&g->tree, *ray->origin, *ray->direction, 1e-12 * g->tree.frame.scale, &enter, &leave) ||
+        !(leave > 0.0))
+        return;
+    const double reach = leave + 1e-9 * (leave + g->tree.frame.scale);
+    cpm_curve line = line_of(ray);
+    line.c[1] = cpm_scaled(reach, line.c[1]);
+    cpm_geometry_curve(g, &line, 1.0, ray->left, ray->slack / reach, ray->filter, ray->hit);
+    ray->hit->t *= reach;
 }
 
-static void straight_exact(const cpm_geometry *g, const query *from, double leave, double slack, cpm_hit *hit) {
-    cpm_curve line = *from->line;
-    line.c[1] = cpm_scaled(leave, line.c[1]);
-    cpm_geometry_curve(g, &line, 1.0, from->left, slack / leave, from->filter, hit);
-    hit->t *= leave;
+/* What Embree has found on a triangle, polished on its plane; 0: float's word is not enough. */
+static int polish(const cpm_triangle *t, const cpm_straight_ray *ray) {
+    cpm_hit *hit = ray->hit;
+    const cpm_vec n = cpm_v(t->normal[0], t->normal[1], t->normal[2]);
+    const cpm_vec corner = cpm_v(t->corner[0], t->corner[1], t->corner[2]);
+    hit->t = cpm_vdot(cpm_sub(corner, *ray->origin), n) / cpm_vdot(*ray->direction, n);
+    hit->position = cpm_along(*ray->origin, hit->t, *ray->direction);
+    if (!(hit->t > 0.0) || !(hit->t < INFINITY)) return 0;
+    cpm_triangle_contains(t, hit->position, &hit->u, &hit->v);
+    return cpm_min(hit->u, cpm_min(hit->v, 1.0 - hit->u - hit->v)) > -t->near_edge;
+}
+
+static int polish_sphere(const cpm_sphere *sphere, const cpm_straight_ray *ray, int leaving, double far) {
+    const cpm_curve line = line_of(ray);
+    cpm_hit *hit = ray->hit;
+    hit->t = cpm_curve_sphere(&line, sphere, leaving, 0.0, far * 1.001);
+    hit->u = hit->v = 0.0;
+    hit->position = cpm_along(*ray->origin, hit->t, *ray->direction);
+    return hit->t > 0.0;
+}
+
+/* Embree's answer, a geometry and the number of one of its primitives, for one ray. */
+static void settle(const cpm_geometry *g, const cpm_straight_ray *ray, unsigned geometry, unsigned number, float far) {
+    int known = 0;
+    if (geometry == 0 && (int32_t)number != ray->left) {
+        ray->hit->primitive = (int32_t)number;
+        known = polish(&g->tree.triangles[number], ray);
+    } else if (geometry == 1) {
+        ray->hit->primitive = (int32_t)(g->triangle_count + number);
+        known = polish_sphere(&g->tree.spheres[number], ray, ray->hit->primitive == ray->left, (double)far);
+    }
+    if (!known) ask_exactly(g, ray); /* a miss, or itself, or so near an edge */
+}
+
+static void set_lane(struct RTCRayHit4 *to, int lane, cpm_vec origin, cpm_vec direction, float near) {
+    to->ray.org_x[lane] = (float)origin.x, to->ray.org_y[lane] = (float)origin.y, to->ray.org_z[lane] = (float)origin.z;
+    to->ray.dir_x[lane] = (float)direction.x, to->ray.dir_y[lane] = (float)direction.y;
+    to->ray.dir_z[lane] = (float)direction.z;
+    to->ray.tnear[lane] = near;
+    to->ray.tfar[lane] = INFINITY;
+    to->ray.time[lane] = 0.0f;
+    to->ray.mask[lane] = 0xFFFFFFFFu;
+    to->ray.id[lane] = to->ray.flags[lane] = 0;
+    to->hit.geomID[lane] = to->hit.primID[lane] = to->hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
+}
+
+/* At most four rays by one call: Embree's setup is shared, each then walks the tree by itself (they are incoherent), so
+ * that no ray's answer depends on its neighbours. */
+static void ask_four(const cpm_geometry *g, const cpm_straight_ray *const *rays, int count) {
+    int valid[4] __attribute__((aligned(16))) = {0, 0, 0, 0};
+    struct RTCRayHit4 four;
+    query q;
+    cpm_embree_context_init(&q.base);
+    q.geometry = g;
+    q.rays = rays;
+    for (int i = 0; i < count; i++) {
+        const cpm_vec local = cpm_sub(*rays[i]->origin, g->center);
+        const double size = cpm_max(g->tree.frame.scale, cpm_max(fabs(local.x), cpm_max(fabs(local.y), fabs(local.z))));
+        set_lane(&four, i, local, *rays[i]->direction, rays[i]->left >= 0 ? (float)(START_ULPS * ULP * size) : 0.0f);
+        valid[i] = -1;
+    }
+    for (int i = count; i < 4; i++) set_lane(&four, i, cpm_v(0.0, 0.0, 0.0), cpm_v(0.0, 0.0, 1.0), 0.0f);
+    cpm_embree_intersect4(valid, g->straight, &q.base, &four);
+    for (int i = 0; i < count; i++) settle(g, rays[i], four.hit.geomID[i], four.hit.primID[i], four.ray.tfar[i]);
+}
+
+void cpm_geometry_straight_many(const cpm_geometry *g, const cpm_straight_ray *rays, size_t count) {
+    const cpm_straight_ray *waiting[4]; /* for float */
+    int n = 0;
+    for (size_t i = 0; i < count; i++) {
+        rays[i].hit->primitive = -1;
+        if (!g->tree.nodes) continue;
+        if (rays[i].exact || rays[i].slack > 0.0 || !g->straight) {
+            ask_exactly(g, &rays[i]);
+            continue;
+        }
+        waiting[n++] = &rays[i];
+        if (n == 4) {
+            ask_four(g, waiting, 4);
+            n = 0;
+        }
+    }
+    if (n) ask_four(g, waiting, n);
 }
 
 void cpm_geometry_straight(const cpm_geometry *g, cpm_vec origin, cpm_vec direction, int32_t left, double slack,
                            const cpm_filter *filter, int exact, cpm_hit *hit) {
-    hit->primitive = -1;
-    double enter = -slack, leave = INFINITY;
-    if (!g->curved.nodes || !cpm_clip_to_box(g, origin, direction, 1e-12 * g->scale, &enter, &leave) || !(leave > 0.0))
-        return;
-
-    query q;
-    q.geometry = g;
-    cpm_curve line;
-    line.degree = 1;
-    line.c[0] = origin, line.c[1] = direction;
-    q.line = &line;
-    q.left = left;
-    q.filter = filter;
-    double reach = leave + 1e-9 * (leave + g->scale);
-    if (exact || slack > 0.0 || !g->straight) {
-        straight_exact(g, &q, reach, slack, hit);
-        return;
-    }
-    cpm_embree_context_init(&q.base);
-    cpm_vec local = cpm_sub(origin, g->center);
-    double size = cpm_max(g->scale, cpm_max(fabs(local.x), cpm_max(fabs(local.y), fabs(local.z))));
-    struct RTCRayHit rayhit;
-    set_ray(&rayhit, local, direction, left >= 0 ? (float)(START_ULPS * ULP * size) : 0.0f, (float)reach * 1.0001f);
-    cpm_embree_intersect(g->straight, &q.base, &rayhit);
-
-    int32_t primitive = -1;
-    if (rayhit.hit.geomID == 0)
-        primitive = (int32_t)rayhit.hit.primID;
-    else if (rayhit.hit.geomID == 1)
-        primitive = (int32_t)(g->triangle_count + rayhit.hit.primID);
-    if (primitive < 0 || (primitive == left && (size_t)primitive < g->triangle_count)) {
-        straight_exact(g, &q, reach, slack, hit); /* a miss, or itself: float's word is not enough */
-        return;
-    }
-    hit->primitive = primitive;
-    if ((size_t)primitive < g->triangle_count) { /* polish on the plane, in double */
-        const cpm_triangle *t = &g->triangles[primitive];
-        cpm_vec n = cpm_v(t->normal[0], t->normal[1], t->normal[2]);
-        cpm_vec corner = cpm_v(t->corner[0], t->corner[1], t->corner[2]);
-        hit->t = cpm_vdot(cpm_sub(corner, origin), n) / cpm_vdot(direction, n);
-        hit->position = cpm_along(origin, hit->t, direction);
-        if (!(hit->t > 0.0) || !isfinite(hit->t)) {
-            straight_exact(g, &q, reach, slack, hit);
-            return;
-        }
-        cpm_triangle_contains(t, hit->position, &hit->u, &hit->v);
-        if (!(cpm_min(hit->u, cpm_min(hit->v, 1.0 - hit->u - hit->v)) > -t->near_edge))
-            straight_exact(g, &q, reach, slack, hit);
-    } else {
-        hit->t = cpm_curve_sphere(q.line, &g->spheres[(size_t)primitive - g->triangle_count], primitive == left, 0.0,
-                                  (double)rayhit.ray.tfar * 1.001);
-        hit->u = hit->v = 0.0;
-        hit->position = cpm_along(origin, hit->t, direction);
-        if (!(hit->t > 0.0)) straight_exact(g, &q, reach, slack, hit);
-    }
+    const cpm_straight_ray ray = {&origin, &direction, left, exact, slack, filter, hit};
+    cpm_geometry_straight_many(g, &ray, 1);
 }
 
 int cpm_geometry_between(const cpm_geometry *g, cpm_vec a, cpm_vec b) {
     query q;
-    struct RTCRayHit rayhit;
     if (!g->straight) return 0;
+    const cpm_vec way = cpm_sub(b, a), local = cpm_sub(a, g->center);
+    const cpm_straight_ray line = {.origin = &a, .direction = &way, .left = -1}, *only = &line;
     cpm_embree_context_init(&q.base);
     q.geometry = g;
-    cpm_curve line;
-    line.degree = 1;
-    line.c[0] = a, line.c[1] = cpm_sub(b, a);
-    q.line = &line;
-    q.left = -1;
-    set_ray(&rayhit, cpm_sub(a, g->center), line.c[1], 0.0f, 1.0f);
-    cpm_embree_occluded(g->straight, &q.base, &rayhit.ray);
-    return rayhit.ray.tfar < 0.0f;
+    q.rays = &only;
+    struct RTCRay ray = {.org_x = (float)local.x,
+                         .org_y = (float)local.y,
+                         .org_z = (float)local.z,
+                         .dir_x = (float)way.x,
+                         .dir_y = (float)way.y,
+                         .dir_z = (float)way.z,
+                         .tfar = 1.0f,
+                         .mask = 0xFFFFFFFFu};
+    cpm_embree_occluded(g->straight, &q.base, &ray);
+    return ray.tfar < 0.0f;
 }

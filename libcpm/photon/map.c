@@ -11,7 +11,7 @@
 void cpm_tree_free(cpm_tree *tree) {
     if (!tree) return;
     free(tree->photons);
-    free(tree->spectra);
+    if (tree->spectra) tree->release_spectra(tree->spectra);
     free(tree->points);
     free(tree->nodes);
     free(tree);

@@ -8,13 +8,13 @@
 
 typedef struct cpm_tree cpm_tree;
 
-/* Builds a tree over `count` photons, parallel, O(N log N) or better; takes ownership of both malloc'ed arrays (also on
- * failure). `spectra` holds `spectra_count` half floats, addressed by photon.spectrum; both are reordered so that
- * neighbours in space are neighbours in memory. The result depends on the set of photons only: not on their order (ties
- * of the sort key fall to (path, bounce, bin)), not on the number of threads. `scale`: W/nm of a half-float 1.
- * count = 0 is allowed: a tree of no bytes. */
+/* Builds a tree over `count` photons, parallel, O(N log N) or better; takes ownership of both arrays, which `release`
+ * (free, or cpm_pages_free) frees (also on failure). `spectra` holds `spectra_count` half floats, addressed by
+ * photon.spectrum; both are reordered so that neighbours in space are neighbours in memory. The result depends on the
+ * set of photons only: not on their order (ties of the sort key fall to (path, bounce, bin)), not on the number of
+ * threads. `scale`: W/nm of a half-float 1. count = 0 is allowed: a tree of no bytes. */
 cpm_status cpm_tree_build(cpm_context *context, cpm_photon *photons, uint16_t *spectra, size_t count,
-                          size_t spectra_count, size_t bins, double scale, cpm_tree **tree);
+                          size_t spectra_count, void (*release)(void *), size_t bins, double scale, cpm_tree **tree);
 void cpm_tree_free(cpm_tree *tree);
 
 size_t cpm_tree_count(const cpm_tree *tree);

@@ -16,6 +16,7 @@
 #include <sys/mman.h>
 
 #include "map_build.h"
+#include "pages.h"
 
 #define SURVEY_CHUNK 65536
 #define SPECTRA_AHEAD 24 /* photons whose spectra are on their way from memory */
@@ -92,13 +93,20 @@ static int32_t move_spectra(cpm_builder *b) {
     size_t *starts = calloc(chunks + 1, sizeof *starts);
     if (bytes <= tree->count * sizeof *b->given + sizeof(uint16_t[CPM_PAD])) {
         /* fresh pages cost as much as filling them */
-        tree->spectra = realloc(b->given, bytes);
-        if (tree->spectra) b->given = NULL;
+        tree->release_spectra = b->release;
+        if (b->release == free) {
+            tree->spectra = realloc(b->given, bytes);
+            if (!tree->spectra) free(b->given);
+        } else { /* pages.h: those of the padding too */
+            tree->spectra = (uint16_t *)(void *)b->given;
+            cpm_pages_trim(b->given, bytes);
+        }
     } else {
-        free(b->given);
-        b->given = NULL;
+        b->release(b->given);
         tree->spectra = large_alloc(bytes);
+        tree->release_spectra = free;
     }
+    b->given = NULL;
     if (!tree->spectra || !starts) {
         free(starts);
         return 0;
@@ -162,12 +170,13 @@ static cpm_status build(cpm_builder *b) {
 }
 
 cpm_status cpm_tree_build(cpm_context *context, cpm_photon *photons, uint16_t *spectra, size_t count,
-                          size_t spectra_count, size_t bins, double scale, cpm_tree **tree) {
+                          size_t spectra_count, void (*release)(void *), size_t bins, double scale, cpm_tree **tree) {
     *tree = NULL;
     cpm_builder b = {.context = context,
                      .tree = calloc(1, sizeof(cpm_tree)),
                      .given = photons,
                      .given_spectra = spectra,
+                     .release = release,
                      .threads = context ? context->threads : 1};
     cpm_status status;
     if (b.tree) {
@@ -180,8 +189,8 @@ cpm_status cpm_tree_build(cpm_context *context, cpm_photon *photons, uint16_t *s
     }
     free(b.keys);
     free(b.plans);
-    free(b.given);
-    free(b.given_spectra);
+    if (b.given) release(b.given);
+    if (b.given_spectra) release(b.given_spectra);
     if (status == CPM_OK)
         *tree = b.tree;
     else

@@ -16,6 +16,7 @@ typedef struct cpm_builder {
     cpm_tree *tree;
     cpm_photon *given;
     uint16_t *given_spectra;
+    void (*release)(void *); /* of both */
     uint64_t *keys;
     cpm_plan *plans; /* parents before children */
     size_t plan_count, plan_capacity;

@@ -8,6 +8,7 @@
 #include "backend/backend.h"
 #include "cl/shared/half.h"
 #include "cl/shared/octahedral.h"
+#include "pages.h"
 
 void cpm_photons_retain(cpm_photons *photons) {
     if (photons) atomic_fetch_add(&photons->references, 1);
@@ -61,7 +62,7 @@ static cpm_status build_maps(cpm_photons *p, cpm_store stores[CPM_POPULATIONS], 
     for (int i = 0; i < CPM_POPULATIONS && !status; i++) {
         *counts[i] = stores[i].count;
         status = cpm_tree_build(p->context, stores[i].photons, stores[i].spectra, stores[i].count,
-                                stores[i].spectra_count, p->bins, scale, &p->trees[i]);
+                                stores[i].spectra_count, cpm_pages_free, p->bins, scale, &p->trees[i]);
         memset(&stores[i], 0, sizeof stores[i]); /* the tree owns them, also on failure */
         if (!status && *counts[i]) *bytes[i] += cpm_tree_bytes(p->trees[i]);
         if (!status && cpm_progress(p->context, "map", (i + 1) / (double)CPM_POPULATIONS))

@@ -9,6 +9,8 @@
 #include "backend/native/cross.h"
 #include "cl/types/photon.h"
 #include "photon/map.h"
+#include "photon/pass_lanes.h"
+#include "photon/store.h"
 #include "scene/pass.h"
 
 /* Populations that are searched apart. */
@@ -22,7 +24,7 @@ struct cpm_photons {
     cpm_context *context;
     size_t bins;
     double *wavelengths;
-    cpm_vec origin; /* subtracted from stored positions */
+    cpm_vec origin;  /* subtracted from stored positions */
     double diagonal; /* of the scene: the default max_radius */
     cpm_tree *trees[CPM_POPULATIONS];
     double *energy; /* CPM_ENERGY_ROWS x bins */
@@ -32,23 +34,22 @@ struct cpm_photons {
 /* A light's directions cut into cells of equal solid angle, rows of cos theta by columns of azimuth about its axis. */
 typedef struct cpm_projection {
     int32_t rows, columns;
-    double *cumulative;   /* cells + 1: probability that a cell's photons start below it */
-    int32_t *guide;       /* cells: the cell that holds the lower end of each of as many equal parts of probability */
-    float *weight;        /* cells: what keeps the estimate unbiased */
+    double *cumulative; /* cells + 1: probability that a cell's photons start below it */
+    int32_t *guide;     /* cells: the cell that holds the lower end of each of as many equal parts of probability */
+    float *weight;      /* cells: what keeps the estimate unbiased */
     uint64_t active, caustic;
 } cpm_projection;
 
 /* How the paths of one light start. */
 typedef struct cpm_emitter {
     const light *light;
-    double cutoff;          /* 1 - cos of its half-angle */
-    uint64_t first, count;  /* its path numbers */
-    float *weight;          /* bins: power of one of its paths over the scale */
+    cpm_emitter_data data;     /* what cl/shared/emit.h reads */
+    uint64_t first, count;     /* its path numbers */
+    float *weight;             /* bins: power of one of its paths over the scale */
     cpm_projection projection; /* no cells: all directions alike */
-    cpm_region region;      /* where a point or spot light sits */
-    double *area;           /* area light: cumulative area of its triangles */
-    double power_factor;    /* area light: 1/mean n^2, so that a weight of 1 is the mean */
-    uint32_t shift[4];      /* scrambles of the emission's low-discrepancy sequence */
+    cpm_region region;         /* where a point or spot light sits */
+    double *area;              /* area light: cumulative area of its triangles */
+    double power_factor;       /* area light: 1/mean n^2, so that a weight of 1 is the mean */
 } cpm_emitter;
 
 /* project.c */
@@ -58,21 +59,13 @@ cpm_status cpm_project(const cpm_pass *pass, cpm_emitter *emitter, cpm_stats *st
 cpm_status cpm_emitters_create(const cpm_pass *pass, uint64_t photons, uint64_t seed, int32_t project,
                                cpm_emitter **emitters, size_t *count, double *scale, cpm_stats *stats);
 void cpm_emitters_free(cpm_emitter *emitters, size_t count);
-/* Starts a path: flight and powers (bins floats over the scale). Returns 0 where it carries nothing. */
-int cpm_emit(const cpm_pass *pass, const cpm_emitter *emitter, uint64_t path, cpm_flight *flight, float *powers);
+/* Starts paths [path, path + count) of one emitter, count <= CPM_BLOCK: the number of those that carry anything, their
+ * flights, path numbers, and the weight of each one's power. `made` is scratch. */
+size_t cpm_emit(const cpm_pass *pass, const cpm_emitter *emitter, uint64_t path, size_t count, cpm_emissions *made,
+                cpm_flight *flights, uint32_t *paths, float *weights);
 
-/* store.c: what a thread has stored so far. */
-typedef struct cpm_store {
-    cpm_photon *photons;
-    uint16_t *spectra;
-    size_t count, capacity, spectra_count, spectra_capacity;
-} cpm_store;
-/* 0: out of memory. */
-int cpm_store_photon(cpm_store *store, const cpm_photon *photon, const float *powers, size_t count);
-int cpm_store_append(cpm_store *store, cpm_store *from); /* empties `from` */
-void cpm_store_free(cpm_store *store);
-
-/* trace.c: the pass itself, into per-population stores and the energy table (CPM_ENERGY_ROWS x bins, over the scale). */
+/* trace.c: the pass itself, into per-population stores (opened here; the caller frees them, also on failure) and the
+ * energy table (CPM_ENERGY_ROWS x bins, over the scale). */
 cpm_status cpm_trace_paths(const cpm_pass *pass, const cpm_emitter *emitters, size_t emitter_count, uint64_t photons,
                            uint64_t seed, int32_t batch, cpm_vec origin, cpm_store stores[CPM_POPULATIONS],
                            double *energy, cpm_stats *stats);

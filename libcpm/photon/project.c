@@ -13,7 +13,7 @@
 
 #define ROWS 64
 #define COLUMNS 64
-#define DEFENSIVE 0.1   /* of the paths, over all cells alike: no power grows by more than 1/DEFENSIVE */
+#define DEFENSIVE 0.1     /* of the paths, over all cells alike: no power grows by more than 1/DEFENSIVE */
 #define CAUSTIC_SHARE 0.5 /* of the paths go to caustic cells, if they need not be denser than CAUSTIC_DENSER */
 #define CAUSTIC_DENSER 8.0
 #define MAX_BOUNDARIES 64
@@ -56,8 +56,7 @@ static void dilate(const uint8_t *from, uint8_t *to) {
             uint8_t flags = 0;
             for (int dr = -1; dr <= 1; dr++)
                 for (int dc = -1; dc <= 1; dc++)
-                    if (r + dr >= 0 && r + dr < ROWS)
-                        flags |= from[(r + dr) * COLUMNS + (c + dc + COLUMNS) % COLUMNS];
+                    if (r + dr >= 0 && r + dr < ROWS) flags |= from[(r + dr) * COLUMNS + (c + dc + COLUMNS) % COLUMNS];
             to[r * COLUMNS + c] = flags;
         }
     for (int pole = 0; pole < 2; pole++) {
@@ -109,7 +108,7 @@ cpm_status cpm_project(const cpm_pass *pass, cpm_emitter *emitter, cpm_stats *st
                 cpm_flight *f = &flights[r * COLUMNS + c];
                 double cosine = cpm_max(1.0 - cutoff * r / ROWS, -1.0);
                 f->position = emitter->light->position;
-                f->direction = cpm_direction_about(emitter->light->axis, cosine, (double)c / COLUMNS);
+                f->direction = direction_about(emitter->light->axis, cosine, (double)c / COLUMNS);
                 f->region = emitter->region;
                 f->left = -1;
                 f->bin = pass->middle;

@@ -1,65 +1,83 @@
-/* photon/store.c: growing arrays of stored photons, one set a thread. */
-#include <stdlib.h>
+/* photon/store.c: stored photons of one population; see store.h. */
+#include "store.h"
+
 #include <string.h>
 
-#include "cl/shared/half.h"
-#include "photons.h"
-#include "scene/scene.h"
+#include "pages.h"
 
-/* Rounded up or down at random, by what is cut off, so that sums of many keep their mean: all photons of a light may
- * have one power, and rounding it the same way each time would never average out. Below 2^-14 to nearest. */
-static uint16_t dithered(float power, uint32_t *state) {
-    union {
-        float value;
-        uint32_t bits;
-    } x = {power};
-    *state = *state * 747796405u + 2891336453u;
-    if (x.bits < 0x38800000u || x.bits > 0x47000000u) return cpm_half_from_float(power);
-    x.bits += *state >> 19; /* 13 bits are cut off */
-    x.bits &= 0xFFFFE000u;
-    return cpm_half_from_float(x.value);
-}
+#define RUN 4096          /* photons that a thread claims at a time: 32 pages */
+#define SPECTRA_RUN 65536 /* halves, likewise */
+#define MOST 0xFFFFFFFFu  /* photons, and halves: their numbers are 32 bits */
 
-int cpm_store_photon(cpm_store *s, const cpm_photon *photon, const float *powers, size_t count) {
-    if (!cpm_grow((void **)&s->photons, &s->capacity, s->count, 1, sizeof *s->photons) ||
-        !cpm_grow((void **)&s->spectra, &s->spectra_capacity, s->spectra_count, count, sizeof *s->spectra))
-        return 0;
-    cpm_photon *to = &s->photons[s->count++];
-    *to = *photon;
-    to->spectrum = (unsigned)s->spectra_count;
-    uint32_t state = (photon->path * 0x9E3779B9u) ^ ((uint32_t)photon->bounce << 16 ^ photon->bin) * 0x85EBCA6Bu;
-    state ^= state >> 15;
-    state *= 0x2C1B3C6Du;
-    for (size_t i = 0; i < count; i++) s->spectra[s->spectra_count + i] = dithered(powers[i], &state);
-    s->spectra_count += count;
-    return s->spectra_count <= 0xFFFFFFFFu;
-}
-
-int cpm_store_append(cpm_store *s, cpm_store *from) {
-    if (!s->count) {
+int cpm_store_open(cpm_store *s, uint64_t bytes) {
+    size_t photons = bytes, spectra = bytes;
+    memset(s, 0, sizeof *s);
+    if (photons > MOST * sizeof *s->photons) photons = MOST * sizeof *s->photons;
+    if (spectra > MOST * sizeof *s->spectra) spectra = MOST * sizeof *s->spectra;
+    s->photons = cpm_pages_reserve(&photons);
+    s->spectra = cpm_pages_reserve(&spectra);
+    if (!s->photons || !s->spectra) {
         cpm_store_free(s);
-        *s = *from;
-        memset(from, 0, sizeof *from);
-        return 1;
-    }
-    if (!from->count) {
-        cpm_store_free(from);
-        return 1;
-    }
-    if (!cpm_grow((void **)&s->photons, &s->capacity, s->count, from->count, sizeof *s->photons) ||
-        !cpm_grow((void **)&s->spectra, &s->spectra_capacity, s->spectra_count, from->spectra_count,
-                  sizeof *s->spectra) || s->spectra_count + from->spectra_count > 0xFFFFFFFFu)
         return 0;
-    for (size_t i = 0; i < from->count; i++) from->photons[i].spectrum += (unsigned)s->spectra_count;
-    memcpy(s->photons + s->count, from->photons, from->count * sizeof *s->photons);
-    memcpy(s->spectra + s->spectra_count, from->spectra, from->spectra_count * sizeof *s->spectra);
-    s->count += from->count;
-    s->spectra_count += from->spectra_count;
-    cpm_store_free(from);
+    }
+    s->capacity = photons / sizeof *s->photons;
+    s->spectra_capacity = spectra / sizeof *s->spectra;
     return 1;
 }
 
+/* A run of places in either array, [*next, *end). */
+static int claim(size_t *count, size_t capacity, size_t run, size_t *next, size_t *end) {
+    size_t first;
+#pragma omp atomic capture
+    {
+        first = *count;
+        *count += run;
+    }
+    *next = first, *end = first + run;
+    return *end <= capacity;
+}
+
+cpm_photon *cpm_store_place(cpm_store_part *part, size_t bins, uint32_t *spectrum) {
+    cpm_store *s = part->store;
+    if (part->next == part->end) {
+        if (!claim(&s->count, s->capacity, RUN, &part->next, &part->end)) {
+            part->next = part->end;
+            return NULL;
+        }
+        cpm_pages_expect(s->photons + part->next, RUN * sizeof *s->photons);
+    }
+    if (part->spectra_next + bins > part->spectra_end) {
+        if (!claim(&s->spectra_count, s->spectra_capacity, SPECTRA_RUN, &part->spectra_next, &part->spectra_end)) {
+            part->spectra_next = part->spectra_end;
+            return NULL;
+        }
+        cpm_pages_expect(s->spectra + part->spectra_next, SPECTRA_RUN * sizeof *s->spectra);
+    }
+    *spectrum = (uint32_t)part->spectra_next;
+    part->spectra_next += bins;
+    return &s->photons[part->next++];
+}
+
+/* Is a place one that a part has left open? */
+static int is_open(size_t place, const cpm_store_part *parts, size_t part_count) {
+    for (size_t i = 0; i < part_count; i++)
+        if (place >= parts[i].next && place < parts[i].end) return 1;
+    return 0;
+}
+
+void cpm_store_close(cpm_store *s, const cpm_store_part *parts, size_t part_count) {
+    size_t top = s->count, open = 0;
+    for (size_t i = 0; i < part_count; i++) open += parts[i].end - parts[i].next;
+    s->count -= open;
+    for (size_t i = 0; i < part_count; i++)
+        for (size_t place = parts[i].next; place < parts[i].end && place < s->count; place++) {
+            do top--;
+            while (is_open(top, parts, part_count));
+            s->photons[place] = s->photons[top];
+        }
+}
+
 void cpm_store_free(cpm_store *s) {
-    free(s->photons), free(s->spectra);
+    cpm_pages_free(s->photons), cpm_pages_free(s->spectra);
     memset(s, 0, sizeof *s);
 }

@@ -1,56 +1,70 @@
 /* photon/trace.c: the photon pass: emit, follow curved paths, store, Russian roulette.
  *
- * Paths go in batches: all of a batch are followed to their next surface (so that integrated rays fill their lanes),
- * then each is scattered; survivors go on. Random numbers are keyed by (seed, path, surface, bin), never by the batch.
- *
- * Store before roulette. A diffuse surface reflects power P_b rho_b; the path survives with the largest rho of its
- * bundle, its powers then P_b rho_b/rho_max. Gain and loss are what roulette adds and takes: zero in the mean. */
+ * Paths go in batches: all of a batch are followed to their next surface (so that rays fill their lanes), then each is
+ * scattered; survivors go on. Those that met something diffuse are scattered in blocks, by lanes (pass_lanes.h);
+ * mirrors and boundaries one by one. Random numbers are keyed by (seed, path, surface, bin), never by the batch. */
 #include <math.h>
 #include <omp.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-#include "cl/shared/octahedral.h"
-#include "cl/shared/fresnel.h"
-#include "cl/shared/philox.h"
-#include "cl/shared/sampling.h"
+#include "backend/native/parabolas.h"
+#include "cl/shared/scatter.h"
+#include "cl/shared/store.h"
 #include "photons.h"
 
 #define BATCH 512
 #define MEMORY_SHARE 0.4 /* of the machine's, for stored photons: building their map takes as much again */
 #define MAX_BOUNCES 4096 /* a closed room of albedo 1 would keep its photons for ever: beyond, they are lost */
 
-typedef struct walker {
-    cpm_flight flight;
+typedef struct walker { /* what a path has been through */
     uint32_t path;
-    uint16_t bounce;   /* surfaces met; also which block of random numbers comes next */
+    uint16_t bounce;    /* surfaces met; also which block of random numbers comes next */
     uint16_t crossings; /* boundaries passed unbroken since: they use blocks too */
-    uint8_t specular;  /* only specular surfaces so far, one at least */
-    uint8_t direct;    /* nothing met so far */
+    uint8_t specular;   /* only specular surfaces so far, one at least */
+    uint8_t direct;     /* nothing met so far */
 } walker;
 
 typedef struct crowd { /* a batch's live paths; powers: bins floats each */
     walker *walkers;
-    float *powers;
-    cpm_arrival *arrivals;
     cpm_flight *flights;
+    float *powers;
     size_t count, capacity, bins;
 } crowd;
 
-typedef struct task {
+typedef struct task { /* one thread's */
     const cpm_pass *pass;
+    const cpm_pass_code *code;
     const cpm_emitter *emitters;
+    const float *shares; /* materials x bins: reflectance over the largest of its material */
+    const cpm_dither_table *dither;
     size_t emitter_count;
     uint64_t seed;
     cpm_vec origin;
-    cpm_store *stores; /* CPM_POPULATIONS */
-    double *energy;    /* CPM_ENERGY_ROWS x bins: this batch's */
-    uint64_t segments, lost, emitted;
+    cpm_store_part parts[CPM_POPULATIONS];
+    double *energy; /* CPM_ENERGY_ROWS x bins: this batch's */
+    uint64_t segments, lost, emitted, stored_bytes;
     double evaluations;
     crowd now, next;
+    cpm_arrival *arrivals; /* of a part of `now` */
+    size_t arrival_capacity;
+    union { /* scratch of one block */
+        struct {
+            cpm_emissions made;
+            cpm_flight flights[CPM_BLOCK];
+            float weights[CPM_BLOCK];
+            uint32_t paths[CPM_BLOCK];
+        } emission;
+        struct {
+            cpm_meetings met;
+            cpm_powers powers[CPM_BLOCK];
+        } meeting;
+    } block;
     int failed;
 } task;
+
+/* ------------------------------------------------------------------------------------------------ live paths */
 
 static int crowd_reserve(crowd *c, size_t more) {
     size_t wanted = c->count + more;
@@ -58,18 +72,28 @@ static int crowd_reserve(crowd *c, size_t more) {
     size_t capacity = wanted + wanted / 2;
     void *walkers = realloc(c->walkers, capacity * sizeof *c->walkers);
     if (walkers) c->walkers = walkers;
-    void *powers = realloc(c->powers, capacity * c->bins * sizeof *c->powers);
-    if (powers) c->powers = powers;
-    void *arrivals = realloc(c->arrivals, capacity * sizeof *c->arrivals);
-    if (arrivals) c->arrivals = arrivals;
     void *flights = realloc(c->flights, capacity * sizeof *c->flights);
     if (flights) c->flights = flights;
-    if (!walkers || !powers || !arrivals || !flights) return 0;
+    void *powers = realloc(c->powers, capacity * c->bins * sizeof *c->powers);
+    if (powers) c->powers = powers;
+    if (!walkers || !powers || !flights) return 0;
     c->capacity = capacity;
     return 1;
 }
 
-static void crowd_free(crowd *c) { free(c->walkers), free(c->powers), free(c->arrivals), free(c->flights); }
+static void crowd_free(crowd *c) { free(c->walkers), free(c->powers), free(c->flights); }
+
+/* A path goes on. */
+static void survive(task *t, const walker *w, const cpm_flight *flight, const float *powers, size_t count) {
+    if (!crowd_reserve(&t->next, 1)) {
+        t->failed = 1;
+        return;
+    }
+    memcpy(&t->next.powers[t->next.count * t->next.bins], powers, count * sizeof *powers);
+    t->next.walkers[t->next.count] = *w;
+    t->next.flights[t->next.count] = *flight;
+    t->next.count++;
+}
 
 /* Bins that a flight carries: [*first, *first + count). */
 static size_t carried(const task *t, const cpm_flight *flight, size_t *first) {
@@ -83,161 +107,285 @@ static void account(task *t, const cpm_flight *flight, const float *powers, int 
     for (size_t b = 0; b < count; b++) to[b] += (double)powers[b];
 }
 
-/* A path goes on with new powers. */
-static void survive(task *t, const walker *w, const cpm_flight *flight, const float *powers, size_t count) {
-    if (!crowd_reserve(&t->next, 1)) {
-        t->failed = 1;
-        return;
-    }
-    walker *to = &t->next.walkers[t->next.count];
-    *to = *w;
-    to->flight = *flight;
-    memcpy(&t->next.powers[t->next.count * t->pass->bins], powers, count * sizeof *powers);
-    t->next.count++;
-}
+/* ------------------------------------------------------------------------------------------------ scattering */
 
-static cpm_random random_of(const task *t, const walker *w) {
-    uint32_t bin = w->flight.bin < 0 ? 0 : (uint32_t)w->flight.bin + 1;
-    return cpm_philox(t->seed, w->path, (uint32_t)w->bounce << 16 | w->crossings, CPM_STREAM_SCATTER, bin);
-}
-
-static void store(task *t, const walker *w, const cpm_arrival *a, cpm_vec normal, const float *powers, size_t count) {
-    cpm_photon photon;
-    cpm_vec local = cpm_sub(a->hit.position, t->origin);
-    photon.position[0] = (float)local.x, photon.position[1] = (float)local.y, photon.position[2] = (float)local.z;
-    photon.direction = cpm_octahedral_encode(a->direction);
-    photon.normal = cpm_octahedral_encode(normal);
-    photon.path = w->path;
-    photon.bin = (unsigned short)(w->flight.bin < 0 ? CPM_ALL_BINS : (unsigned)w->flight.bin);
-    photon.bounce = w->bounce;
-    int population = w->direct ? CPM_DIRECT : w->specular ? CPM_CAUSTIC : CPM_LATER;
-    if (!cpm_store_photon(&t->stores[population], &photon, powers, count)) t->failed = 1;
-}
-
-/* Roulette over a reflecting surface, whose spectrum is `reflectance`; 1: the powers are those of the survivor. */
-static int roulette(task *t, const walker *w, const float *reflectance, float *powers, double u) {
-    size_t first, count = carried(t, &w->flight, &first);
-    float most = 0.0f;
-    for (size_t b = 0; b < count; b++) if (reflectance[first + b] > most) most = reflectance[first + b];
-    int alive = u < (double)most;
-    double *energy = t->energy;
-    const size_t bins = t->pass->bins;
-    for (size_t b = 0; b < count; b++) {
-        double before = (double)powers[b], kept = before * (double)reflectance[first + b];
-        float after = alive ? powers[b] * (reflectance[first + b] / most) : 0.0f;
-        double change = (double)after - kept;
-        energy[CPM_ABSORBED * bins + first + b] += before - kept;
-        energy[(alive ? CPM_GAIN : CPM_LOSS) * bins + first + b] += alive ? change : -change;
-        energy[CPM_VARIANCE * bins + first + b] += change * change;
-        powers[b] = after;
-    }
-    return alive;
-}
-
-static void meet_surface(task *t, walker *w, const cpm_arrival *a, float *powers, const material *m) {
-    const cpm_pass *pass = t->pass;
-    size_t first, count = carried(t, &w->flight, &first);
-    cpm_vec normal = cpm_geometric_normal(pass->scene, &a->hit);
-    if (cpm_vdot(normal, a->direction) > 0.0) normal = cpm_scaled(-1.0, normal);
-    const float *reflectance = &pass->reflectance[(size_t)(m - pass->scene->materials) * pass->bins];
-    if (m->kind != CPM_MATERIAL_MIRROR) store(t, w, a, normal, powers, count);
-    if (m->kind == CPM_MATERIAL_BLACK) {
-        account(t, &w->flight, powers, CPM_ABSORBED);
-        return;
-    }
-    cpm_random r = random_of(t, w);
-    if (!roulette(t, w, reflectance, powers, cpm_uniform(r.v[2]))) return;
-    cpm_vec direction;
-    if (m->kind == CPM_MATERIAL_MIRROR) {
-        cpm_vec shading = cpm_shading_normal(pass->scene, &a->hit, normal);
-        direction = cpm_reflect(a->direction, shading);
-        if (cpm_vdot(direction, normal) <= 0.0) direction = cpm_reflect(a->direction, normal);
-        w->specular = w->direct || w->specular;
-    } else {
-        direction = cpm_sample_cosine(normal, cpm_uniform(r.v[0]), cpm_uniform(r.v[1]));
-        w->specular = 0;
-    }
+static void another_bounce(walker *w) {
     w->direct = 0;
     w->bounce++;
     w->crossings = 0;
-    cpm_flight flight = cpm_depart(pass, &w->flight, a, direction);
-    survive(t, w, &flight, powers, count);
 }
 
-static void meet_boundary(task *t, walker *w, const cpm_arrival *a, const float *powers) {
+static cpm_random random_of(const task *t, const walker *w, const cpm_flight *flight) {
+    return cpm_philox(t->seed, w->path, cpm_scatter_block(w->bounce, w->crossings), CPM_STREAM_SCATTER,
+                      cpm_scatter_bin(flight->bin));
+}
+
+static cpm_roulette_rows rows_of(const task *t) {
+    const size_t bins = t->pass->bins;
+    return (cpm_roulette_rows){&t->energy[CPM_ABSORBED * bins], &t->energy[CPM_GAIN * bins],
+                               &t->energy[CPM_LOSS * bins], &t->energy[CPM_VARIANCE * bins]};
+}
+
+/* Roulette at a surface, with the random number `chance`; what survives would go to `after`. */
+static void play(const task *t, const cpm_flight *flight, int32_t material, const float *powers, double chance,
+                 float *after, cpm_powers *p) {
+    static const float one = 1.0f;
+    size_t first, count = carried(t, flight, &first);
+    const size_t at = (size_t)material * t->pass->bins + first;
+    const int alone = flight->bin >= 0;
+    p->before = powers;
+    p->reflectance = &t->pass->reflectance[at];
+    p->share = alone ? &one : &t->shares[at];
+    p->after = after;
+    p->spectrum = NULL;
+    p->first = (uint32_t)first, p->bins = (uint32_t)count;
+    p->alive = chance < (double)(alone ? *p->reflectance : t->pass->reflectance_max[material]);
+}
+
+/* Gives the photon a place; its powers are to follow. */
+static void store(task *t, const walker *w, const cpm_flight *flight, const cpm_arrival *a, uint32_t direction,
+                  uint32_t normal, cpm_powers *p) {
+    const int population = w->direct ? CPM_DIRECT : w->specular ? CPM_CAUSTIC : CPM_LATER;
+    uint32_t index;
+    cpm_photon *photon = cpm_store_place(&t->parts[population], p->bins, &index);
+    if (!photon) {
+        t->failed = 1;
+        return;
+    }
+    cpm_photon_pack(photon, cpm_sub(a->hit.position, t->origin), direction, normal, index, w->path, w->bounce,
+                    flight->bin);
+    p->spectrum = &t->parts[population].store->spectra[index];
+    p->dither = cpm_dither_start(w->path, w->bounce, flight->bin < 0 ? CPM_ALL_BINS : (uint32_t)flight->bin);
+    t->stored_bytes += sizeof *photon + p->bins * sizeof *p->spectrum;
+}
+
+/* A path that has met something diffuse or black: of the current part of `now`. */
+typedef struct encounter {
+    uint32_t number;
+    int32_t material;
+} encounter;
+
+static void describe(const task *t, size_t first, const encounter *met, size_t count, cpm_meetings *m) {
+    for (size_t k = 0; k < count; k++) {
+        const walker *w = &t->now.walkers[first + met[k].number];
+        const cpm_flight *f = &t->now.flights[first + met[k].number];
+        const cpm_arrival *a = &t->arrivals[met[k].number];
+        const cpm_facet facet = cpm_facet_of(t->pass->scene, &a->hit);
+        m->came[0][k] = a->direction.x, m->came[1][k] = a->direction.y, m->came[2][k] = a->direction.z;
+        m->start[0][k] = f->position.x, m->start[1][k] = f->position.y, m->start[2][k] = f->position.z;
+        m->hit[0][k] = a->hit.position.x, m->hit[1][k] = a->hit.position.y, m->hit[2][k] = a->hit.position.z;
+        m->normal[0][k] = facet.normal.x, m->normal[1][k] = facet.normal.y, m->normal[2][k] = facet.normal.z;
+        m->factor[k] = facet.factor;
+        m->path[k] = w->path;
+        m->block[k] = cpm_scatter_block(w->bounce, w->crossings);
+        m->bin[k] = cpm_scatter_bin(f->bin);
+    }
+}
+
+/* Encounters of paths first.. of `now`, at most a block. */
+static void meet_diffuse(task *t, size_t first, const encounter *met, size_t count) {
+    const cpm_scene *scene = t->pass->scene;
+    cpm_meetings *m = &t->block.meeting.met;
+    cpm_powers *powers = t->block.meeting.powers;
+    describe(t, first, met, count, m);
+    t->code->meet(t->seed, cpm_geometry_scale(t->pass->geometry), count, m);
+    if (!crowd_reserve(&t->next, count + 1)) t->failed = 1;
+    size_t survivors = t->next.count;
+    for (size_t k = 0; k < count && !t->failed; k++) {
+        const walker *w = &t->now.walkers[first + met[k].number];
+        const cpm_flight *f = &t->now.flights[first + met[k].number];
+        const cpm_arrival *a = &t->arrivals[met[k].number];
+        const int black = scene->materials[met[k].material].kind == CPM_MATERIAL_BLACK;
+        play(t, f, met[k].material, &t->now.powers[(first + met[k].number) * t->now.bins], m->chance[k],
+             black ? NULL : &t->next.powers[survivors * t->next.bins], &powers[k]);
+        store(t, w, f, a, m->direction_code[k], m->normal_code[k], &powers[k]);
+        if (black || !powers[k].alive) continue;
+        /* field by field where they belong: a copy of what has just been written would wait for it */
+        walker *next = &t->next.walkers[survivors];
+        cpm_flight *to = &t->next.flights[survivors++];
+        next->path = w->path;
+        next->bounce = (uint16_t)(w->bounce + 1);
+        next->crossings = next->specular = next->direct = 0;
+        to->position = cpm_v(m->from[0][k], m->from[1][k], m->from[2][k]);
+        to->direction = cpm_v(m->toward[0][k], m->toward[1][k], m->toward[2][k]);
+        to->region = f->region;
+        to->left = a->hit.primitive;
+        to->bin = f->bin;
+        to->exact = cpm_geometry_near_edge(t->pass->geometry, &a->hit);
+        to->crossing = 0;
+    }
+    if (t->failed) return;
+    const cpm_roulette_rows rows = rows_of(t);
+    t->code->settle(powers, count, t->dither, &rows);
+    t->next.count = survivors;
+}
+
+static void meet_mirror(task *t, walker *w, const cpm_flight *f, const cpm_arrival *a, const float *powers,
+                        int32_t material) {
+    const cpm_pass *pass = t->pass;
+    cpm_vec facing = scatter_facing(cpm_geometric_normal(pass->scene, &a->hit), a->direction);
+    cpm_random r = random_of(t, w, f);
+    float after[CPM_MAX_BINS];
+    cpm_powers p;
+    play(t, f, material, powers, cpm_uniform(r.v[2]), after, &p);
+    const cpm_roulette_rows rows = rows_of(t);
+    t->code->settle(&p, 1, t->dither, &rows);
+    if (!p.alive) return;
+    cpm_vec direction = scatter_mirror(a->direction, cpm_shading_normal(pass->scene, &a->hit, facing), facing);
+    w->specular = w->direct || w->specular;
+    another_bounce(w);
+    cpm_flight flight = cpm_depart(pass, f, a, direction);
+    survive(t, w, &flight, after, p.bins);
+}
+
+static void meet_boundary(task *t, walker *w, const cpm_flight *f, const cpm_arrival *a, const float *powers) {
     const cpm_pass *pass = t->pass;
     cpm_passage passage;
-    if (cpm_splits(pass, &w->flight, a)) { /* each wavelength its own way */
+    if (cpm_splits(pass, f, a)) { /* each wavelength its own way */
         for (size_t b = 0; b < pass->bins; b++) {
             if (powers[b] == 0.0f) continue;
             walker one = *w;
-            one.flight.bin = (int32_t)b;
-            meet_boundary(t, &one, a, &powers[b]);
+            cpm_flight alone = *f;
+            alone.bin = (int32_t)b;
+            meet_boundary(t, &one, &alone, a, &powers[b]);
         }
         return;
     }
-    size_t first, count = carried(t, &w->flight, &first);
-    if (!cpm_pass_boundary(pass, &w->flight, a, &passage)) {
-        account(t, &w->flight, powers, CPM_ESCAPED);
+    size_t first, count = carried(t, f, &first);
+    if (!cpm_pass_boundary(pass, f, a, &passage)) {
+        account(t, f, powers, CPM_ESCAPED);
         t->lost++;
         return;
     }
     const cpm_flight *flight = &passage.transmitted;
     if (passage.jumps) {
-        cpm_random r = random_of(t, w);
+        cpm_random r = random_of(t, w, f);
         if (cpm_uniform(r.v[3]) < passage.reflectance) flight = &passage.reflected;
         w->specular = w->direct || w->specular;
-        w->direct = 0;
-        w->bounce++;
-        w->crossings = 0;
+        another_bounce(w);
     } else {
         w->crossings++;
     }
     survive(t, w, flight, powers, count);
 }
 
-static void arrive(task *t, walker *w, const cpm_arrival *a, float *powers) {
+/* What a path does where it has arrived. Returns the material if it is diffuse or black, to be dealt with in a block,
+ * else CPM_NO_MATERIAL. */
+static int32_t arrive(task *t, size_t number, const cpm_arrival *a) {
     const cpm_scene *scene = t->pass->scene;
-    t->segments++;
+    walker *w = &t->now.walkers[number];
+    const cpm_flight *f = &t->now.flights[number];
+    const float *powers = &t->now.powers[number * t->now.bins];
     t->evaluations += a->evaluations;
     if (a->status != CPM_RAY_HIT || w->bounce >= MAX_BOUNCES || w->crossings == UINT16_MAX) {
-        account(t, &w->flight, powers, CPM_ESCAPED);
+        account(t, f, powers, CPM_ESCAPED);
         t->lost += a->status != CPM_RAY_LEFT;
-        return;
+        return CPM_NO_MATERIAL;
     }
-    const shape *s = &scene->shapes[cpm_primitive_shape(scene, a->hit.primitive)];
-    if (s->material == CPM_NO_MATERIAL || scene->materials[s->material].kind == CPM_MATERIAL_DIELECTRIC)
-        meet_boundary(t, w, a, powers);
+    const int32_t material = scene->shapes[cpm_primitive_shape(scene, a->hit.primitive)].material;
+    const int32_t kind = material == CPM_NO_MATERIAL ? CPM_MATERIAL_DIELECTRIC : scene->materials[material].kind;
+    if (kind == CPM_MATERIAL_DIELECTRIC)
+        meet_boundary(t, w, f, a, powers);
+    else if (kind == CPM_MATERIAL_MIRROR)
+        meet_mirror(t, w, f, a, powers, material);
     else
-        meet_surface(t, w, a, powers, &scene->materials[s->material]);
+        return material;
+    return CPM_NO_MATERIAL;
+}
+
+/* ------------------------------------------------------------------------------------------------- a batch */
+
+/* A path starts in a medium that disperses: each wavelength goes its own way. */
+static void start_apart(task *t, uint32_t path, cpm_flight *flight) {
+    float powers[CPM_MAX_BINS];
+    const walker w = {.path = path, .direct = 1};
+    memcpy(powers, &t->next.powers[t->next.count * t->next.bins], t->next.bins * sizeof *powers);
+    for (size_t b = 0; b < t->next.bins; b++) {
+        flight->bin = (int32_t)b;
+        if (powers[b] > 0.0f) survive(t, &w, flight, &powers[b], 1);
+    }
+}
+
+/* Paths that one emitter starts, at most a block. */
+static void emit_block(task *t, const cpm_emitter *e, uint64_t path, size_t count) {
+    const size_t bins = t->pass->bins;
+    const int apart = (t->pass->features & CPM_FEATURE_DISPERSION) != 0;
+    cpm_flight *flights = t->block.emission.flights;
+    const float *weights = t->block.emission.weights;
+    const uint32_t *paths = t->block.emission.paths;
+    double *emitted = &t->energy[CPM_EMITTED * bins];
+    count = cpm_emit(t->pass, e, path, count, &t->block.emission.made, flights, t->block.emission.paths,
+                     t->block.emission.weights);
+    t->emitted += count;
+    if (!crowd_reserve(&t->next, count)) t->failed = 1;
+    if (!apart && !t->failed)
+        t->code->power(weights, count, e->weight, bins, &t->next.powers[t->next.count * bins], emitted);
+    for (size_t i = 0; i < count && !t->failed; i++) {
+        if (apart) {
+            if (!crowd_reserve(&t->next, 1))
+                t->failed = 1;
+            else
+                t->code->power(&weights[i], 1, e->weight, bins, &t->next.powers[t->next.count * bins], emitted);
+            if (t->failed) return;
+            if (t->pass->disperses[cpm_region_medium(&flights[i].region)]) {
+                start_apart(t, paths[i], &flights[i]);
+                continue;
+            }
+        }
+        walker *w = &t->next.walkers[t->next.count];
+        t->next.flights[t->next.count++] = flights[i];
+        w->path = paths[i];
+        w->bounce = w->crossings = w->specular = 0;
+        w->direct = 1;
+    }
 }
 
 static void emit_batch(task *t, uint64_t first, uint64_t end) {
-    size_t bins = t->pass->bins;
     const cpm_emitter *e = t->emitters, *last = t->emitters + t->emitter_count;
-    float *powers = malloc(bins * sizeof *powers);
-    if (!powers) {
-        t->failed = 1;
-        return;
+    while (first < end && !t->failed) {
+        while (e < last && first >= e->first + e->count) e++;
+        if (e == last) return;
+        uint64_t count = e->first + e->count - first;
+        if (count > end - first) count = end - first;
+        if (count > CPM_BLOCK) count = CPM_BLOCK;
+        emit_block(t, e, first, (size_t)count);
+        first += count;
     }
-    for (uint64_t path = first; path < end; path++) {
-        while (e < last && path >= e->first + e->count) e++;
-        if (e == last) break;
-        walker w = {.path = (uint32_t)path, .direct = 1};
-        if (!cpm_emit(t->pass, e, path, &w.flight, powers)) continue;
-        account(t, &w.flight, powers, CPM_EMITTED);
-        t->emitted++;
-        int splits = t->pass->disperses[cpm_region_medium(&w.flight.region)];
-        for (size_t b = 0; b < (splits ? bins : 1); b++) {
-            w.flight.bin = splits ? (int32_t)b : -1;
-            if (!splits || powers[b] > 0.0f) survive(t, &w, &w.flight, &powers[b], splits ? 1 : bins);
+}
+
+static int arrivals_reserve(task *t, size_t count) {
+    if (count <= t->arrival_capacity) return 1;
+    free(t->arrivals);
+    t->arrival_capacity = count;
+    t->arrivals = malloc(count * sizeof *t->arrivals);
+    if (!t->arrivals) t->failed = 1;
+    return !t->failed;
+}
+
+/* Paths [first, first + count) of `now` fly to what they meet, and are dealt with there. */
+static void advance(task *t, size_t first, size_t count) {
+    encounter met[CPM_BLOCK];
+    size_t n = 0;
+    cpm_follow(t->pass, &t->now.flights[first], count, NULL, t->arrivals);
+    t->segments += count;
+    for (size_t i = 0; i < count && !t->failed; i++) {
+        const int32_t material = arrive(t, first + i, &t->arrivals[i]);
+        if (material != CPM_NO_MATERIAL) met[n++] = (encounter){(uint32_t)i, material};
+        if (n == CPM_BLOCK || (n && i + 1 == count)) {
+            meet_diffuse(t, first, met, n);
+            n = 0;
         }
     }
-    free(powers);
+}
+
+/* Paths that are followed at a time: few, so that their arrivals stay in the nearest cache, but as many as fill the
+ * lanes of curved rays. */
+static size_t share_of(const task *t) {
+    if (t->pass->features & CPM_FEATURE_INTEGRATOR) return t->now.count;
+    return t->pass->features & CPM_FEATURE_CURVED ? CPM_PARABOLAS : CPM_BLOCK;
 }
 
 static void run_batch(task *t, uint64_t first, uint64_t end) {
-    size_t bins = t->pass->bins;
     t->next.count = 0;
     emit_batch(t, first, end);
     while (t->next.count && !t->failed && !cpm_cancelled(t->pass->context)) {
@@ -245,10 +393,10 @@ static void run_batch(task *t, uint64_t first, uint64_t end) {
         t->now = t->next;
         t->next = swap;
         t->next.count = 0;
-        for (size_t i = 0; i < t->now.count; i++) t->now.flights[i] = t->now.walkers[i].flight;
-        cpm_follow(t->pass, t->now.flights, t->now.count, NULL, t->now.arrivals);
-        for (size_t i = 0; i < t->now.count && !t->failed; i++)
-            arrive(t, &t->now.walkers[i], &t->now.arrivals[i], &t->now.powers[i * bins]);
+        const size_t share = share_of(t);
+        if (!arrivals_reserve(t, share)) return;
+        for (size_t i = 0; i < t->now.count && !t->failed; i += share)
+            advance(t, i, t->now.count - i < share ? t->now.count - i : share);
     }
 }
 
@@ -257,20 +405,15 @@ static void run_batch(task *t, uint64_t first, uint64_t end) {
 typedef struct shared_work {
     const cpm_pass *pass;
     uint64_t photons, batch, batches;
-    uint64_t next;     /* atomic */
-    double *energies;  /* batches x CPM_ENERGY_ROWS x bins */
+    uint64_t next;    /* atomic */
+    double *energies; /* batches x CPM_ENERGY_ROWS x bins */
     uint64_t segments, lost, emitted;
-    double *evaluations; /* batches */
+    double *evaluations;        /* batches */
     uint64_t bytes, most_bytes; /* of all stores, and what they may take */
+    float *shares;
+    cpm_store_part *parts; /* threads x populations */
     int failed, too_many;
 } shared_work;
-
-static uint64_t stored_bytes(const task *t) {
-    uint64_t bytes = 0;
-    for (int p = 0; p < CPM_POPULATIONS; p++)
-        bytes += t->stores[p].count * sizeof(cpm_photon) + t->stores[p].spectra_count * sizeof(uint16_t);
-    return bytes;
-}
 
 static void work(task *t, shared_work *shared, int reports) {
     uint64_t counted = 0, all;
@@ -289,8 +432,8 @@ static void work(task *t, shared_work *shared, int reports) {
         uint64_t end = (batch + 1) * shared->batch;
         run_batch(t, batch * shared->batch, end < shared->photons ? end : shared->photons);
         shared->evaluations[batch] = t->evaluations;
-        uint64_t bytes = stored_bytes(t), grown = bytes - counted;
-        counted = bytes;
+        const uint64_t grown = t->stored_bytes - counted;
+        counted = t->stored_bytes;
 #pragma omp atomic capture
         all = shared->bytes += grown;
         if (all > shared->most_bytes) {
@@ -302,51 +445,86 @@ static void work(task *t, shared_work *shared, int reports) {
     }
 }
 
+/* Reflectance over the largest of its material, for the survivors of roulette. */
+static float *shares_of(const cpm_pass *pass) {
+    const size_t bins = pass->bins, materials = pass->scene->material_count;
+    float *shares = calloc(materials * bins + 1, sizeof *shares);
+    for (size_t i = 0; shares && i < materials * bins; i++)
+        if (pass->reflectance_max[i / bins] > 0.0f) shares[i] = pass->reflectance[i] / pass->reflectance_max[i / bins];
+    return shares;
+}
+
+static int prepare(shared_work *shared, int32_t threads, cpm_store stores[CPM_POPULATIONS]) {
+    const size_t row = CPM_ENERGY_ROWS * shared->pass->bins;
+    const uint64_t unfilled = ((uint64_t)threads + 1) << 18; /* the threads' last runs */
+    shared->energies = calloc(shared->batches * row + 1, sizeof *shared->energies);
+    shared->evaluations = calloc(shared->batches + 1, sizeof *shared->evaluations);
+    shared->parts = calloc((size_t)threads * CPM_POPULATIONS, sizeof *shared->parts);
+    shared->shares = shares_of(shared->pass);
+    shared->most_bytes = (uint64_t)(MEMORY_SHARE * (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE));
+    int fine = shared->energies && shared->evaluations && shared->parts && shared->shares;
+    for (int p = 0; p < CPM_POPULATIONS; p++) fine = fine && cpm_store_open(&stores[p], shared->most_bytes + unfilled);
+    return fine;
+}
+
+static void close_stores(const shared_work *shared, int32_t threads, cpm_store stores[CPM_POPULATIONS]) {
+    for (int p = 0; p < CPM_POPULATIONS; p++) cpm_store_close(&stores[p], &shared->parts[p * threads], (size_t)threads);
+}
+
 cpm_status cpm_trace_paths(const cpm_pass *pass, const cpm_emitter *emitters, size_t emitter_count, uint64_t photons,
                            uint64_t seed, int32_t batch, cpm_vec origin, cpm_store stores[CPM_POPULATIONS],
                            double *energy, cpm_stats *stats) {
     cpm_context *context = pass->context;
     const size_t row = CPM_ENERGY_ROWS * pass->bins;
+    const int32_t threads = context->threads;
     shared_work shared = {.pass = pass, .photons = photons, .batch = batch > 0 ? (uint64_t)batch : BATCH};
+    cpm_dither_table dither;
+    cpm_dither_table_fill(&dither);
     if (shared.batch < photons / 65536) shared.batch = photons / 65536 + 1; /* keeps the energy table small */
     shared.batches = (photons + shared.batch - 1) / shared.batch;
-    shared.energies = calloc(shared.batches * row + 1, sizeof *shared.energies);
-    shared.evaluations = calloc(shared.batches + 1, sizeof *shared.evaluations);
-    if (!shared.energies || !shared.evaluations) shared.failed = 1;
-    shared.most_bytes = (uint64_t)(MEMORY_SHARE * (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE));
-#pragma omp parallel num_threads(context->threads) if (!shared.failed)
+    shared.failed = !prepare(&shared, threads, stores);
+#pragma omp parallel num_threads(threads) if (!shared.failed)
     {
-        cpm_store mine[CPM_POPULATIONS] = {0};
-        task t = {.pass = pass, .emitters = emitters, .emitter_count = emitter_count, .seed = seed, .origin = origin,
-                  .stores = mine};
+        task t = {.pass = pass,
+                  .code = cpm_pass_code_chosen(),
+                  .emitters = emitters,
+                  .emitter_count = emitter_count,
+                  .shares = shared.shares,
+                  .dither = &dither,
+                  .seed = seed,
+                  .origin = origin};
+        const int number = omp_get_thread_num();
+        for (int p = 0; p < CPM_POPULATIONS; p++) t.parts[p].store = &stores[p];
         t.now.bins = t.next.bins = pass->bins;
-        if (!shared.failed) work(&t, &shared, omp_get_thread_num() == 0);
-        crowd_free(&t.now), crowd_free(&t.next);
+        if (!shared.failed) work(&t, &shared, number == 0);
+        crowd_free(&t.now), crowd_free(&t.next), free(t.arrivals);
+        for (int p = 0; p < CPM_POPULATIONS && !shared.failed; p++) shared.parts[p * threads + number] = t.parts[p];
 #pragma omp critical(cpm_collect)
         {
             shared.segments += t.segments, shared.lost += t.lost, shared.emitted += t.emitted;
-            for (int p = 0; p < CPM_POPULATIONS; p++)
-                if (!t.failed && !cpm_store_append(&stores[p], &mine[p])) t.failed = 1;
             if (t.failed) shared.failed = 1;
         }
-        for (int p = 0; p < CPM_POPULATIONS; p++) cpm_store_free(&mine[p]);
     }
+    if (!shared.failed) close_stores(&shared, threads, stores);
     double evaluations = 0.0;
     for (uint64_t b = 0; b < shared.batches && !shared.failed; b++) {
         for (size_t i = 0; i < row; i++) energy[i] += shared.energies[b * row + i];
         evaluations += shared.evaluations[b];
     }
-    free(shared.energies), free(shared.evaluations);
+    free(shared.energies), free(shared.evaluations), free(shared.parts), free(shared.shares);
     stats->photons_emitted = shared.emitted;
     stats->photon_segments = shared.segments;
     stats->photons_lost = shared.lost;
     stats->photon_evaluations = (uint64_t)evaluations;
     if (shared.too_many)
-        return cpm_fail(context, CPM_ERROR_OUT_OF_MEMORY, "photons is %llu: those stored take more than %.1f GB, %.0f %% of "
-                        "this machine's memory; ask for fewer", (unsigned long long)photons,
-                        1e-9 * (double)shared.most_bytes, 100.0 * MEMORY_SHARE);
-    if (shared.failed) return cpm_fail(context, CPM_ERROR_OUT_OF_MEMORY, "no memory to store the photons of %llu paths",
-                                       (unsigned long long)photons);
-    if (cpm_progress(context, "trace", 1.0)) return cpm_fail(context, CPM_ERROR_CANCELLED, "cancelled while tracing photons");
+        return cpm_fail(context, CPM_ERROR_OUT_OF_MEMORY,
+                        "photons is %llu: those stored take more than %.1f GB, %.0f %% of "
+                        "this machine's memory; ask for fewer",
+                        (unsigned long long)photons, 1e-9 * (double)shared.most_bytes, 100.0 * MEMORY_SHARE);
+    if (shared.failed)
+        return cpm_fail(context, CPM_ERROR_OUT_OF_MEMORY, "no memory to store the photons of %llu paths",
+                        (unsigned long long)photons);
+    if (cpm_progress(context, "trace", 1.0))
+        return cpm_fail(context, CPM_ERROR_CANCELLED, "cancelled while tracing photons");
     return CPM_OK;
 }

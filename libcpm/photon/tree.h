@@ -26,7 +26,8 @@ typedef struct cpm_node {
 struct cpm_tree {
     cpm_photon *photons; /* leaf after leaf; within a leaf by (path, bounce, bin) */
     uint16_t *spectra;
-    float *points; /* of a leaf with first photon f: from points + 3 f */
+    void (*release_spectra)(void *); /* how they are freed */
+    float *points;                   /* of a leaf with first photon f: from points + 3 f */
     cpm_node *nodes;
     size_t count, spectra_count, node_count, bins;
     uint32_t top;    /* number of the uppermost node */

@@ -1,8 +1,5 @@
-/* render/eye.c: curved eye rays, specular surfaces followed both ways, gathers at the diffuse ends.
- *
- * L/n^2 is constant along a ray (basic radiance), so a pixel is sum weight (n_c/n_s)^2 L_s, L_s = rho/pi E at a diffuse
- * surface in index n_s, and n_s^2 times the basic radiance of an area light. Each tile is one thread's, whole: pictures
- * do not depend on threads. */
+/* render/eye.c: curved eye rays, specular surfaces followed both ways, gathers at the diffuse ends; what a ray sees is
+ * cl/shared/shade.h. Each tile is one thread's, whole: pictures do not depend on threads. */
 #include "eye.h"
 
 #include <math.h>
@@ -10,17 +7,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cl/shared/fresnel.h"
-#include "cl/shared/philox.h"
-#include "cl/shared/sampling.h"
+#include "cl/shared/scatter.h"
+#include "cl/shared/shade.h"
 
 #define TILE 16
-#define MAX_DEPTH 64         /* specular surfaces along one branch */
-#define LEAST_WEIGHT 1e-4f   /* of an eye ray: branches that carry less end */
+#define MAX_DEPTH 64       /* specular surfaces along one branch */
+#define LEAST_WEIGHT 1e-4f /* of an eye ray: branches that carry less end */
 
 typedef struct glance { /* one branch of an eye ray */
     cpm_flight flight;
-    int32_t pixel;     /* in the tile */
+    int32_t pixel; /* in the tile */
     int32_t depth;
 } glance;
 
@@ -78,7 +74,7 @@ static void branch(viewer *v, const glance *from, const cpm_flight *flight, cons
     }
     float *to = &v->next.weights[v->next.count * bins], most = 0.0f;
     for (size_t b = 0; b < count; b++) {
-        to[b] = weights[b] * (float)factor * (spectrum ? spectrum[first + b] : 1.0f);
+        to[b] = cpm_shade_branch(weights[b], (float)factor, spectrum ? spectrum[first + b] : 1.0f);
         if (to[b] > most) most = to[b];
     }
     if (most < LEAST_WEIGHT) return;
@@ -96,15 +92,14 @@ static void see_surface(viewer *v, const glance *g, const cpm_arrival *a, const 
     int front = cpm_vdot(geometric, a->direction) < 0.0;
     cpm_vec facing = front ? geometric : cpm_scaled(-1.0, geometric);
     double *sum = &v->sum[(size_t)g->pixel * bins];
-    if (s->light >= 0 && front) /* basic radiance as given, seen in index n_c */
+    if (s->light >= 0 && front)
         for (size_t b = 0; b < count; b++)
-            sum[first + b] += (double)weights[b] * pass->emission[(size_t)s->light * bins + first + b] *
-                              v->squared_index[first + b];
+            sum[first + b] += cpm_shade_light(weights[b], pass->emission[(size_t)s->light * bins + first + b],
+                                              v->squared_index[first + b]);
     const material *m = &pass->scene->materials[s->material];
     const float *reflectance = &pass->reflectance[(size_t)s->material * bins];
     if (m->kind == CPM_MATERIAL_MIRROR) {
-        cpm_vec direction = cpm_reflect(a->direction, cpm_shading_normal(pass->scene, &a->hit, facing));
-        if (cpm_vdot(direction, facing) <= 0.0) direction = cpm_reflect(a->direction, facing);
+        cpm_vec direction = scatter_mirror(a->direction, cpm_shading_normal(pass->scene, &a->hit, facing), facing);
         cpm_flight flight = cpm_depart(pass, &g->flight, a, direction);
         branch(v, g, &flight, weights, 1.0, reflectance);
         return;
@@ -114,8 +109,8 @@ static void see_surface(viewer *v, const glance *g, const cpm_arrival *a, const 
                           v->irradiance, v->scratch);
     v->gathers++;
     for (size_t b = 0; b < count; b++)
-        sum[first + b] += (double)weights[b] * (double)reflectance[first + b] * v->irradiance[first + b] *
-                          v->squared_index[first + b] / (CPM_PI * a->n * a->n);
+        sum[first + b] += cpm_shade_diffuse(weights[b], reflectance[first + b], v->irradiance[first + b],
+                                            v->squared_index[first + b], a->n);
 }
 
 static void see_boundary(viewer *v, const glance *g, const cpm_arrival *a, const float *weights) {
@@ -146,29 +141,17 @@ static void see(viewer *v, const glance *g, const cpm_arrival *a, const float *w
         see_surface(v, g, a, weights, s);
 }
 
-/* Where in its pixel a sample lies: the middle for one, else jittered in n x n strata (the rest anywhere). */
-static void place(const viewer *v, uint32_t pixel, int32_t sample, double *x, double *y) {
-    *x = *y = 0.5;
-    if (v->samples == 1) return;
-    int32_t side = (int32_t)floor(sqrt((double)v->samples) + 1e-9);
-    cpm_random r = cpm_philox(v->seed, pixel, (uint32_t)sample, CPM_STREAM_EYE, 0);
-    *x = cpm_uniform(r.v[0]), *y = cpm_uniform(r.v[1]);
-    if (sample >= side * side) return;
-    *x = (sample % side + *x) / side;
-    *y = (sample / side + *y) / side;
-}
-
 static void look(viewer *v, int32_t column, int32_t row, int32_t pixel, const cpm_image *image) {
     const size_t bins = v->pass->bins;
     float ones[CPM_MAX_BINS];
     for (size_t b = 0; b < bins; b++) ones[b] = 1.0f;
     for (int32_t s = 0; s < v->samples; s++) {
         double x, y;
-        place(v, (uint32_t)(row * image->width + column), s, &x, &y);
-        double a = 2.0 * (column + x) / image->width - 1.0, b = 1.0 - 2.0 * (row + y) / image->height;
+        cpm_eye_place(v->seed, (uint32_t)(row * image->width + column), s, v->samples, &x, &y);
         glance g = {.pixel = pixel, .depth = -1};
         g.flight.position = v->origin;
-        g.flight.direction = cpm_unit(cpm_along(cpm_along(v->forward, a, v->right), b, v->up));
+        g.flight.direction =
+            eye_direction(v->forward, v->right, v->up, column + x, row + y, image->width, image->height);
         g.flight.region = v->region;
         g.flight.left = -1;
         v->rays++;
@@ -228,7 +211,8 @@ cpm_status cpm_eye_pass(const cpm_pass *pass, const cpm_gather *gather, uint64_t
     model.splits = pass->disperses[medium];
     for (size_t b = 0; b < bins; b++) {
         double n = cpm_pass_index(pass, medium, (int32_t)b, model.origin);
-        if (!(n > 0.0)) return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "camera: n^2 is not positive at its origin");
+        if (!(n > 0.0))
+            return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "camera: n^2 is not positive at its origin");
         squared_index[b] = n * n;
     }
     int failed = 0, done = 0;
@@ -268,6 +252,7 @@ cpm_status cpm_eye_pass(const cpm_pass *pass, const cpm_gather *gather, uint64_t
     free(evaluations);
     image->stats.eye_evaluations = (uint64_t)sum;
     if (failed) return cpm_fail(context, CPM_ERROR_OUT_OF_MEMORY, "no memory for the eye pass");
-    if (cpm_progress(context, "gather", 1.0)) return cpm_fail(context, CPM_ERROR_CANCELLED, "cancelled while gathering");
+    if (cpm_progress(context, "gather", 1.0))
+        return cpm_fail(context, CPM_ERROR_CANCELLED, "cancelled while gathering");
     return CPM_OK;
 }

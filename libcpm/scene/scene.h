@@ -36,7 +36,7 @@ typedef struct shape {
     int32_t is_sphere;
     size_t first, count; /* triangles, or the one sphere */
     int32_t has_normals;
-    int32_t closed;      /* -1: not looked at yet */
+    int32_t closed; /* -1: not looked at yet */
     double area;
     cpm_box box;
 } shape;
@@ -63,7 +63,7 @@ struct cpm_scene {
     cpm_box extent;
     cpm_triangle *triangles;
     cpm_sphere *spheres;
-    float *normals;             /* 9 a triangle, allocated when a mesh brings some */
+    float *normals; /* 9 a triangle, allocated when a mesh brings some */
     int32_t *triangle_shape;
     int32_t *sphere_shape;
     size_t triangle_count, triangle_capacity, sphere_count, sphere_capacity;
@@ -103,6 +103,24 @@ cpm_status cpm_shape_require_closed(cpm_scene *scene, int32_t shape);
 static inline int32_t cpm_primitive_shape(const cpm_scene *scene, int32_t primitive) {
     return (size_t)primitive < scene->triangle_count ? scene->triangle_shape[primitive]
                                                      : scene->sphere_shape[(size_t)primitive - scene->triangle_count];
+}
+/* The geometric normal of what was hit, of any length, and 1/length^2. */
+typedef struct cpm_facet {
+    cpm_vec normal;
+    double factor;
+} cpm_facet;
+static inline cpm_facet cpm_facet_of(const cpm_scene *scene, const cpm_hit *hit) {
+    cpm_facet facet;
+    if ((size_t)hit->primitive < scene->triangle_count) {
+        const cpm_triangle *t = &scene->triangles[hit->primitive];
+        facet.normal = cpm_v(t->normal[0], t->normal[1], t->normal[2]);
+        facet.factor = t->inverse_area2;
+    } else {
+        const cpm_sphere *s = &scene->spheres[(size_t)hit->primitive - scene->triangle_count];
+        facet.normal = cpm_unit(cpm_sub(hit->position, cpm_v(s->center[0], s->center[1], s->center[2])));
+        facet.factor = 1.0;
+    }
+    return facet;
 }
 /* Unit geometric normal, (b - a) x (c - a) for triangles, outward for spheres. */
 cpm_vec cpm_geometric_normal(const cpm_scene *scene, const cpm_hit *hit);

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cl/shared/shade.h"
 #include "scene.h"
 
 cpm_status cpm_scene_fill_shape(cpm_scene *scene, cpm_medium *medium, int32_t shape);
@@ -54,8 +55,10 @@ static cpm_status push_shape(cpm_scene *scene, const shape *s, int32_t *index) {
 
 static shape new_shape(const char *name, size_t number) {
     shape s = {.material = CPM_NO_MATERIAL, .light = -1, .closed = -1};
-    if (name && *name) snprintf(s.name, sizeof s.name, "%s", name);
-    else snprintf(s.name, sizeof s.name, "shape %zu", number);
+    if (name && *name)
+        snprintf(s.name, sizeof s.name, "%s", name);
+    else
+        snprintf(s.name, sizeof s.name, "shape %zu", number);
     for (int k = 0; k < 3; k++) s.box.low[k] = INFINITY, s.box.high[k] = -INFINITY;
     return s;
 }
@@ -63,8 +66,10 @@ static shape new_shape(const char *name, size_t number) {
 /* A shape is taken back as if it had never been added. */
 static void pop_shape(cpm_scene *scene, const shape *s) {
     scene->shape_count--;
-    if (s->is_sphere) scene->sphere_count -= s->count;
-    else scene->triangle_count -= s->count;
+    if (s->is_sphere)
+        scene->sphere_count -= s->count;
+    else
+        scene->triangle_count -= s->count;
     if (s->material != CPM_NO_MATERIAL) cpm_spectrum_free(&scene->materials[--scene->material_count].reflectance);
 }
 
@@ -125,8 +130,10 @@ static cpm_status check_mesh(cpm_scene *scene, const cpm_mesh_desc *d, const cha
         const double *v = (const double *)(const void *)((const char *)d->vertices + (ptrdiff_t)i * d->vertex_stride);
         for (int k = 0; k < 3; k++) {
             if (!cpm_in_range(v[k]))
-                return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "mesh '%s': vertex %zu has coordinate %g; all must "
-                                "be finite, at most 1e15 m", name, i, v[k]);
+                return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT,
+                                "mesh '%s': vertex %zu has coordinate %g; all must "
+                                "be finite, at most 1e15 m",
+                                name, i, v[k]);
             *size = fmax(*size, fabs(v[k]));
         }
     }
@@ -134,13 +141,15 @@ static cpm_status check_mesh(cpm_scene *scene, const cpm_mesh_desc *d, const cha
         const uint32_t *f = (const uint32_t *)(const void *)((const char *)d->faces + (ptrdiff_t)i * d->face_stride);
         for (int k = 0; k < 3; k++)
             if (f[k] >= d->vertex_count)
-                return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "mesh '%s': face %zu names vertex %u; there are %zu",
-                                name, i, f[k], d->vertex_count);
+                return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT,
+                                "mesh '%s': face %zu names vertex %u; there are %zu", name, i, f[k], d->vertex_count);
     }
     for (size_t i = 0; d->normals && i < 3 * d->vertex_count; i++)
         if (!isfinite(d->normals[i]))
-            return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "mesh '%s': normal %zu has coordinate %g; all must be "
-                            "finite", name, i / 3, d->normals[i]);
+            return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT,
+                            "mesh '%s': normal %zu has coordinate %g; all must be "
+                            "finite",
+                            name, i / 3, d->normals[i]);
     if (scene->triangle_count + d->face_count > 0x7FFFFFFF)
         return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "mesh '%s': more than 2^31 triangles in all", name);
     return CPM_OK;
@@ -189,11 +198,13 @@ cpm_status cpm_scene_add_sphere(cpm_scene *scene, const double *center, double r
     if (!center) return cpm_fail(scene->context, CPM_ERROR_INVALID_ARGUMENT, "sphere: center must not be NULL");
     shape s = new_shape(name, scene->shape_count);
     if (!cpm_in_range(center[0]) || !cpm_in_range(center[1]) || !cpm_in_range(center[2]))
-        return cpm_fail(scene->context, CPM_ERROR_INVALID_ARGUMENT, "sphere '%s': center is (%g, %g, %g); it must be finite, at "
-                        "most 1e15 m", s.name, center[0], center[1], center[2]);
+        return cpm_fail(scene->context, CPM_ERROR_INVALID_ARGUMENT,
+                        "sphere '%s': center is (%g, %g, %g); it must be finite, at "
+                        "most 1e15 m",
+                        s.name, center[0], center[1], center[2]);
     if (!(radius > 0.0) || !cpm_in_range(radius))
-        return cpm_fail(scene->context, CPM_ERROR_INVALID_ARGUMENT, "sphere '%s': radius is %g; it must be positive, at most 1e15 m", s.name,
-                        radius);
+        return cpm_fail(scene->context, CPM_ERROR_INVALID_ARGUMENT,
+                        "sphere '%s': radius is %g; it must be positive, at most 1e15 m", s.name, radius);
     size_t capacity = scene->sphere_capacity, shape_capacity = capacity;
     if (!cpm_grow((void **)&scene->spheres, &capacity, scene->sphere_count, 1, sizeof(cpm_sphere)) ||
         !cpm_grow((void **)&scene->sphere_shape, &shape_capacity, scene->sphere_count, 1, sizeof(int32_t)))
@@ -236,12 +247,8 @@ cpm_status cpm_scene_add_box(cpm_scene *scene, const cpm_box *box, const char *n
 }
 
 cpm_vec cpm_geometric_normal(const cpm_scene *scene, const cpm_hit *hit) {
-    if ((size_t)hit->primitive < scene->triangle_count) {
-        const cpm_triangle *t = &scene->triangles[hit->primitive];
-        return cpm_scaled(sqrt(t->inverse_area2), cpm_v(t->normal[0], t->normal[1], t->normal[2]));
-    }
-    const cpm_sphere *s = &scene->spheres[(size_t)hit->primitive - scene->triangle_count];
-    return cpm_unit(cpm_sub(hit->position, cpm_v(s->center[0], s->center[1], s->center[2])));
+    const cpm_facet facet = cpm_facet_of(scene, hit);
+    return cpm_scaled(sqrt(facet.factor), facet.normal);
 }
 
 cpm_vec cpm_shading_normal(const cpm_scene *scene, const cpm_hit *hit, cpm_vec geometric) {
@@ -249,12 +256,7 @@ cpm_vec cpm_shading_normal(const cpm_scene *scene, const cpm_hit *hit, cpm_vec g
         !scene->shapes[scene->triangle_shape[hit->primitive]].has_normals)
         return geometric;
     const float *n = &scene->normals[9 * (size_t)hit->primitive];
-    double w = 1.0 - hit->u - hit->v;
-    cpm_vec s = cpm_v(w * (double)n[0] + hit->u * (double)n[3] + hit->v * (double)n[6],
-                      w * (double)n[1] + hit->u * (double)n[4] + hit->v * (double)n[7],
-                      w * (double)n[2] + hit->u * (double)n[5] + hit->v * (double)n[8]);
-    double length = cpm_norm(s);
-    if (!(length > 1e-9)) return geometric;
-    s = cpm_scaled(1.0 / length, s);
-    return cpm_vdot(s, geometric) > 0.0 ? s : cpm_scaled(-1.0, s);
+    cpm_vec corner[3];
+    for (int k = 0; k < 3; k++) corner[k] = cpm_v((double)n[3 * k], (double)n[3 * k + 1], (double)n[3 * k + 2]);
+    return shade_normal(corner[0], corner[1], corner[2], hit->u, hit->v, geometric);
 }

@@ -135,7 +135,7 @@ static cpm_tree *tree_of(cloud *c, int32_t threads) {
     assert_int_equal(cpm_context_create(&options, &context), CPM_OK);
     cpm_tree *tree = NULL;
     assert_ok(context,
-              cpm_tree_build(context, c->photons, c->spectra, c->count, c->spectra_count, c->bins, SCALE, &tree));
+              cpm_tree_build(context, c->photons, c->spectra, c->count, c->spectra_count, free, c->bins, SCALE, &tree));
     cpm_context_release(context);
     assert_non_null(tree);
     assert_int_equal(cpm_tree_count(tree), c->count);
@@ -153,7 +153,7 @@ static ask ask_make(shape s, uint32_t i, const cloud *c) {
         for (int a = 0; a < 3; a++) p[a] *= 3.0 * uniform(i, 300 + (uint32_t)a);
     if (s == SHELL && i % 2) { /* about 60 degrees from the photons' normals: just in, just out */
         cpm_vec t, b;
-        cpm_frame(cpm_v(n[0], n[1], n[2]), &t, &b);
+        frame3(cpm_v(n[0], n[1], n[2]), &t, &b);
         const cpm_vec tilted = cpm_unit(cpm_along(cpm_v(n[0], n[1], n[2]), sqrt(3.0), t));
         n[0] = tilted.x, n[1] = tilted.y, n[2] = tilted.z;
     }

@@ -315,7 +315,7 @@ static void bad_photons_are_refused(void **state) {
         if (bad == 5) c.photons[60].bin = 4;
         cpm_tree *tree = NULL;
         const cpm_status status =
-            cpm_tree_build(context, c.photons, c.spectra, c.count, c.spectra_count, bins, SCALE, &tree);
+            cpm_tree_build(context, c.photons, c.spectra, c.count, c.spectra_count, free, bins, SCALE, &tree);
         assert_int_equal(status, bad < 2 ? CPM_ERROR_INVALID_ARGUMENT : CPM_ERROR_INTERNAL);
         assert_null(tree);
         assert_non_null(strstr(cpm_context_last_error(context), bad < 2 ? "bins" : "photon 60 "));

@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-#include "cl/shared/fresnel.h"
+#include "cl/shared/scatter.h"
 
 cpm_flight cpm_depart(const cpm_pass *pass, const cpm_flight *flight, const cpm_arrival *arrival, cpm_vec direction) {
     cpm_flight next = *flight;
@@ -107,20 +107,12 @@ int cpm_pass_boundary(const cpm_pass *pass, const cpm_flight *flight, const cpm_
     double n = cpm_pass_index(pass, behind, flight->bin, arrival->hit.position);
     if (!(fabs(n - arrival->n) > CPM_EQUAL_INDEX)) return 1;
 
-    cpm_vec normal = cpm_shading_normal(pass->scene, &arrival->hit, geometric), refracted;
-    /* a shading normal may tell the wrong side at grazing incidence: the geometric one has the last word */
-    if (cpm_vdot(arrival->direction, normal) * cpm_vdot(arrival->direction, geometric) <= 0.0) normal = geometric;
-    cpm_vec reflected = cpm_reflect(arrival->direction, normal);
-    if (cpm_vdot(reflected, geometric) * cpm_vdot(arrival->direction, geometric) >= 0.0)
-        reflected = cpm_reflect(arrival->direction, geometric);
+    cpm_vec normal = cpm_shading_normal(pass->scene, &arrival->hit, geometric), reflected, refracted;
     passage->jumps = 1;
-    passage->reflectance = cpm_fresnel(arrival->direction, normal, arrival->n, n, &refracted);
+    passage->reflectance =
+        scatter_boundary(arrival->direction, normal, geometric, arrival->n, n, &reflected, &refracted);
     passage->total = passage->reflectance >= 1.0;
     passage->reflected = cpm_depart(pass, flight, arrival, reflected);
-    if (!passage->total) {
-        if (cpm_vdot(refracted, geometric) * cpm_vdot(arrival->direction, geometric) <= 0.0)
-            refracted = arrival->direction;
-        passage->transmitted.direction = refracted;
-    }
+    if (!passage->total) passage->transmitted.direction = refracted;
     return 1;
 }

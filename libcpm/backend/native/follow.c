@@ -11,42 +11,97 @@
 #include "parabolas.h"
 #include "piece_end.h"
 
-static void follow_straight(const cpm_pass *pass, const cpm_flight *flight, const cpm_follow_options *options,
-                            size_t number, cpm_arrival *arrival) {
-    int32_t medium = cpm_region_medium(&flight->region);
-    cpm_arrival_begin(flight, arrival);
-    arrival->n = pass->index[(size_t)medium * pass->bins + (size_t)(flight->bin < 0 ? pass->middle : flight->bin)];
-    cpm_start from = {pass, flight};
-    const cpm_filter filter = {cpm_start_counts, &from};
-    cpm_geometry_straight(pass->geometry, flight->position, flight->direction, flight->left,
-                          cpm_slack_of(pass, flight, 1), &filter, flight->exact, &arrival->hit);
-    double length = arrival->hit.t, out = options ? options->far : INFINITY;
-    if (pass->bounded) {
-        const double r[3] = {flight->position.x, flight->position.y, flight->position.z};
-        const double d[3] = {flight->direction.x, flight->direction.y, flight->direction.z};
-        for (int k = 0; k < 3; k++) {
-            double t = ((d[k] > 0.0 ? pass->extent.high[k] : pass->extent.low[k]) - r[k]) / d[k];
-            if (d[k] != 0.0) out = cpm_min(out, cpm_max(t, 0.0));
-        }
-    }
+#define STRAIGHT 32 /* rays asked for at a time */
 
+/* Where a straight ray leaves the extent, if that is not farther than `out`. */
+static double leaves_at(const cpm_pass *pass, const cpm_flight *flight, double out) {
+    const double r[3] = {flight->position.x, flight->position.y, flight->position.z};
+    const double d[3] = {flight->direction.x, flight->direction.y, flight->direction.z};
+    for (int k = 0; k < 3; k++) {
+        double t = ((d[k] > 0.0 ? pass->extent.high[k] : pass->extent.low[k]) - r[k]) / d[k];
+        if (d[k] != 0.0) out = cpm_min(out, cpm_max(t, 0.0));
+    }
+    return out;
+}
+
+static int inside(double low, double high, double from, double to) {
+    const double margin = 1e-12 * (fabs(from) + fabs(to));
+    return to >= low + margin && to <= high - margin;
+}
+
+/* Surely not beyond the extent, which is convex: beyond all rounding of its point, so that the distances need not be
+ * compared. */
+static int surely_inside(const cpm_pass *pass, const cpm_flight *flight, const cpm_arrival *arrival) {
+    const cpm_vec a = flight->position, b = arrival->hit.position;
+    const double *low = pass->extent.low, *high = pass->extent.high;
+    return inside(low[0], high[0], a.x, b.x) && inside(low[1], high[1], a.y, b.y) && inside(low[2], high[2], a.z, b.z);
+}
+
+static void keep_line(const cpm_flight *flight, const cpm_follow_options *options, size_t number,
+                      const cpm_arrival *arrival) {
+    cpm_piece piece = {
+        .h = arrival->length / arrival->n, .length1 = arrival->length, .n0 = arrival->n, .n1 = arrival->n};
+    const cpm_vec r = flight->position, p = cpm_scaled(arrival->n, flight->direction), e = arrival->hit.position;
+    memcpy(piece.r0, (const double[3]){r.x, r.y, r.z}, sizeof piece.r0);
+    memcpy(piece.p0, (const double[3]){p.x, p.y, p.z}, sizeof piece.p0);
+    memcpy(piece.r1, (const double[3]){e.x, e.y, e.z}, sizeof piece.r1);
+    memcpy(piece.p1, piece.p0, sizeof piece.p1);
+    options->sink(options->user, number, &piece, 1, 1.0);
+}
+
+/* A straight ray's end, once its hit is known. */
+static void end_straight(const cpm_pass *pass, const cpm_flight *flight, const cpm_follow_options *options,
+                         size_t number, cpm_arrival *arrival) {
+    const int32_t medium = cpm_region_medium(&flight->region);
+    const int hits = arrival->hit.primitive >= 0;
     arrival->status = CPM_RAY_HIT;
-    if (arrival->hit.primitive < 0 || arrival->hit.t > out) {
+    arrival->direction = flight->direction;
+    arrival->n = pass->index[(size_t)medium * pass->bins + (size_t)(flight->bin < 0 ? pass->middle : flight->bin)];
+    arrival->behind.count = 0;
+    arrival->drift = arrival->error = arrival->evaluations = arrival->steps = arrival->rejected = 0.0;
+    arrival->method = CPM_METHOD_EXACT;
+    arrival->length = arrival->hit.t;
+    double out = options ? options->far : INFINITY;
+    if (pass->bounded && !(hits && surely_inside(pass, flight, arrival))) out = leaves_at(pass, flight, out);
+    if (!hits || arrival->hit.t > out) {
         arrival->status = CPM_RAY_LEFT;
         arrival->hit.primitive = -1;
-        length = isfinite(out) ? out : 0.0;
-        arrival->hit.position = cpm_along(flight->position, length, flight->direction);
+        arrival->length = isfinite(out) ? out : 0.0;
+        arrival->hit.position = cpm_along(flight->position, arrival->length, flight->direction);
     }
-    arrival->length = length;
-    arrival->optical_path = arrival->n * length;
-    if (options && options->sink) {
-        cpm_piece piece = {.h = length / arrival->n, .length1 = length, .n0 = arrival->n, .n1 = arrival->n};
-        const cpm_vec r = flight->position, p = cpm_scaled(arrival->n, flight->direction), e = arrival->hit.position;
-        memcpy(piece.r0, (const double[3]){r.x, r.y, r.z}, sizeof piece.r0);
-        memcpy(piece.p0, (const double[3]){p.x, p.y, p.z}, sizeof piece.p0);
-        memcpy(piece.r1, (const double[3]){e.x, e.y, e.z}, sizeof piece.r1);
-        memcpy(piece.p1, piece.p0, sizeof piece.p1);
-        options->sink(options->user, number, &piece, 1, 1.0);
+    arrival->optical_path = arrival->n * arrival->length;
+    if (options && options->sink) keep_line(flight, options, number, arrival);
+}
+
+/* Straight rays of a call, some at a time; other flights in between are left alone. */
+static void follow_straight(const cpm_pass *pass, const cpm_flight *flights, size_t count,
+                            const cpm_follow_options *options, cpm_arrival *arrivals) {
+    cpm_straight_ray rays[STRAIGHT];
+    cpm_start starts[STRAIGHT];
+    cpm_filter filters[STRAIGHT];
+    size_t number[STRAIGHT];
+    for (size_t next = 0; next < count;) {
+        size_t n = 0;
+        for (; next < count && n < STRAIGHT; next++) {
+            const cpm_flight *f = &flights[next];
+            if (pass->way[cpm_region_medium(&f->region)] != CPM_WAY_STRAIGHT) continue;
+            cpm_straight_ray *ray = &rays[n];
+            ray->origin = &f->position, ray->direction = &f->direction;
+            ray->left = f->left, ray->exact = f->exact;
+            ray->slack = 0.0;
+            ray->filter = NULL;
+            ray->hit = &arrivals[next].hit;
+            if (f->crossing) {
+                starts[n] = (cpm_start){pass, f};
+                filters[n] = (cpm_filter){cpm_start_counts, &starts[n]};
+                ray->slack = cpm_slack_of(pass, f, 1);
+                ray->filter = &filters[n];
+            }
+            number[n++] = next;
+        }
+        cpm_geometry_straight_many(pass->geometry, rays, n);
+        for (size_t i = 0; i < n; i++)
+            end_straight(pass, &flights[number[i]], options, number[i], &arrivals[number[i]]);
     }
 }
 
@@ -56,13 +111,13 @@ static int is_parabolic(const cpm_pass *pass, int32_t medium) {
 
 void cpm_follow(const cpm_pass *pass, const cpm_flight *flights, size_t count, const cpm_follow_options *options,
                 cpm_arrival *arrivals) {
-    for (size_t i = 0; i < count; i++) {
-        uint8_t way = pass->way[cpm_region_medium(&flights[i].region)];
-        if (way == CPM_WAY_STRAIGHT)
-            follow_straight(pass, &flights[i], options, i, &arrivals[i]);
-        else if (way == CPM_WAY_EXACT && (options || !is_parabolic(pass, cpm_region_medium(&flights[i].region))))
-            cpm_follow_exact(pass, &flights[i], options, i, &arrivals[i]);
-    }
+    follow_straight(pass, flights, count, options, arrivals);
+    if (pass->features & CPM_FEATURE_EXACT)
+        for (size_t i = 0; i < count; i++) {
+            const int32_t medium = cpm_region_medium(&flights[i].region);
+            if (pass->way[medium] == CPM_WAY_EXACT && (options || !is_parabolic(pass, medium)))
+                cpm_follow_exact(pass, &flights[i], options, i, &arrivals[i]);
+        }
     if ((pass->features & CPM_FEATURE_EXACT) && !options)
         for (size_t m = 0; m < pass->scene->medium_count; m++)
             if (pass->way[m] == CPM_WAY_EXACT && is_parabolic(pass, (int32_t)m))

@@ -24,40 +24,55 @@ typedef struct lot {
     cpm_curve curve[LOT];
     cpm_hit hit[LOT];
     size_t count;
-    int32_t medium;
+    int32_t medium, outside; /* does any start outside of the geometry's box? */
 } lot;
 
-/* Where the parabola comes into the geometry's box and where it goes out, or how far the scene is large. One that turns
- * before a face goes out at another, or is longer than it need be. */
+/* Both loops are in lanes: no branch, no choice between places in memory.
+ *
+ * How far to go: out of the geometry's box, or as far as the scene is large. A parabola that turns before a face goes
+ * out at another, or is longer than it need be. */
 static void lengths(const cpm_pass *pass, lot *l) {
+    memset(l->from, 0, sizeof l->from);
     const double far2 = pass->reach * pass->reach, center[3] = {pass->center.x, pass->center.y, pass->center.z};
     for (int i = 0; i < LOT; i++) {
-        double enter = 0.0, leave = INFINITY, away2 = 0.0, pg = 0.0, gg = 0.0;
+        double leave = INFINITY, away2 = 0.0, pg = 0.0, gg = 0.0;
         const double n = l->n[i];
         for (int k = 0; k < 3; k++) {
             const double r = l->position[k][i], p = n * l->direction[k][i], a = l->gradient[k][i];
-            const double low = pass->box.low[k] - r, high = pass->box.high[k] - r;
-            const double ahead = p > 0.0 ? high : low, behind = p > 0.0 ? low : high;
-            /* p t + a t^2/2 = face, the first crossing ahead */
-            const double out = p * p + 2.0 * a * ahead, in = p * p + 2.0 * a * behind;
-            const double bent_out = sqrt(cpm_max(out, 0.0)), bent_in = sqrt(cpm_max(in, 0.0));
-            const double t1 = 2.0 * ahead / (p + (p > 0.0 ? bent_out : -bent_out));
-            const double t0 = 2.0 * behind / (p + (p > 0.0 ? bent_in : -bent_in));
-            leave = ((out >= 0.0) & (t1 >= 0.0) & (t1 < leave)) ? t1 : leave;
-            enter = ((in >= 0.0) & (t0 > enter)) ? t0 : enter;
+            /* p t + a t^2/2 = way to the face, the first crossing ahead */
+            const double low = pass->box.low[k] - r, high = pass->box.high[k] - r, way = p > 0.0 ? high : low;
+            const double d = p * p + 2.0 * a * way, bent = sqrt(cpm_max(d, 0.0));
+            const double t = 2.0 * way / (p + (p > 0.0 ? bent : -bent));
+            leave = ((d >= 0.0) & (t >= 0.0) & (t < leave)) ? t : leave;
             away2 += (r - center[k]) * (r - center[k]);
             pg += p * a, gg += a * a;
         }
         const double least = 1e-6 * n, limit = sqrt(cpm_max(away2, far2)) / n, margin = 1e-6 * pass->reach / n;
         const int cut = (pg < 0.0) & (pg * pg > (n * n - least * least) * gg); /* |p| may fall to 0 */
         const double h = cpm_min(limit, leave * (1.0 + 1e-6) + margin);
-        const double from = cpm_max(enter * (1.0 - 1e-6) - margin, 0.0) / h;
         l->h[i] = ((n > 0.0) & !cut) ? h : NAN;
-        l->from[i] = from < 1.0 ? from : 0.0;
         for (int k = 0; k < 3; k++) {
             l->c1[k][i] = h * (n * l->direction[k][i]);
             l->c2[k][i] = 0.5 * h * h * l->gradient[k][i];
         }
+    }
+}
+
+/* Where those that start outside come into the box. */
+static void entries(const cpm_pass *pass, lot *l) {
+    for (int i = 0; i < LOT; i++) {
+        double enter = 0.0;
+        const double n = l->n[i];
+        for (int k = 0; k < 3; k++) {
+            const double p = n * l->direction[k][i], a = l->gradient[k][i];
+            const double low = pass->box.low[k] - l->position[k][i], high = pass->box.high[k] - l->position[k][i];
+            const double way = p > 0.0 ? low : high;
+            const double d = p * p + 2.0 * a * way, bent = sqrt(cpm_max(d, 0.0));
+            const double t = 2.0 * way / (p + (p > 0.0 ? bent : -bent));
+            enter = ((d >= 0.0) & (t > enter)) ? t : enter;
+        }
+        const double from = cpm_max(enter * (1.0 - 1e-6) - 1e-6 * pass->reach / n, 0.0) / l->h[i];
+        l->from[i] = from < 1.0 ? from : 0.0;
     }
 }
 
@@ -76,6 +91,7 @@ static void follow_lot(const cpm_pass *pass, const cpm_flight *flights, lot *l, 
     }
     for (int i = 0; i < LOT; i++) l->n[i] = sqrt(l->n[i]); /* it was n^2 */
     lengths(pass, l);
+    if (l->outside) entries(pass, l);
     size_t asked = 0;
     for (size_t i = 0; i < l->count; i++) {
         if (!(l->h[i] > 0.0)) {
@@ -112,7 +128,7 @@ static void follow_lot(const cpm_pass *pass, const cpm_flight *flights, lot *l, 
             cpm_follow_exact(pass, &flights[which], NULL, which, arrival);
         }
     }
-    l->count = 0;
+    l->count = 0, l->outside = 0;
 }
 
 static void follow_parabolas(const cpm_pass *pass, const cpm_flight *flights, size_t count, int32_t medium,
@@ -120,18 +136,12 @@ static void follow_parabolas(const cpm_pass *pass, const cpm_flight *flights, si
     const cpm_medium_data *data = &pass->scene->media[medium].medium->data;
     lot l;
     l.count = 0;
-    l.medium = medium;
+    l.medium = medium, l.outside = 0;
     for (size_t i = 0; i < count; i++) {
         const cpm_flight *flight = &flights[i];
         if (cpm_region_medium(&flight->region) != medium) continue;
         if (flight->crossing) { /* looks back */
             cpm_follow_exact(pass, flight, NULL, i, &arrivals[i]);
-            continue;
-        }
-        if (cpm_has_left(pass, flight, medium, NULL, &arrivals[i])) {
-            cpm_arrival_begin(flight, &arrivals[i]);
-            arrivals[i].status = CPM_RAY_LEFT;
-            arrivals[i].n = cpm_pass_index(pass, medium, flight->bin, flight->position);
             continue;
         }
         const int32_t bin = flight->bin < 0 ? pass->middle : flight->bin;
@@ -144,7 +154,15 @@ static void follow_parabolas(const cpm_pass *pass, const cpm_flight *flights, si
             l.gradient[k][l.count] = 0.5 * scale * data->axis[k];
             susceptibility += data->axis[k] * (r[k] - data->origin[k]);
         }
-        l.n[l.count] = 1.0 + scale * susceptibility;
+        const double n_squared = 1.0 + scale * susceptibility;
+        if (cpm_has_left(pass, flight, medium, NULL, &arrivals[i])) {
+            cpm_arrival_begin(flight, &arrivals[i]);
+            arrivals[i].status = CPM_RAY_LEFT;
+            arrivals[i].n = sqrt(n_squared);
+            continue;
+        }
+        l.n[l.count] = n_squared;
+        l.outside |= !within(&pass->box, flight->position);
         l.left[l.count] = flight->left;
         l.which[l.count] = i;
         if (++l.count == LOT) follow_lot(pass, flights, &l, arrivals);

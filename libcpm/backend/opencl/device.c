@@ -83,6 +83,20 @@ cpm_status cpm_opencl_failed(cpm_context *context, const cpm_opencl *opencl, con
                            : "open a new context, or use another device or the native backend");
 }
 
+cl_mem cpm_opencl_buffer(const cpm_opencl *o, cl_mem_flags flags, size_t size, const void *contents, cl_int *code) {
+    static const double nothing = 0.0;
+    const void *from = size ? contents : contents ? &nothing : NULL;
+    cl_mem buffer = o->cl->CreateBuffer(o->context, flags | (from ? CL_MEM_COPY_HOST_PTR : 0),
+                                        size ? size : sizeof nothing, (void *)(uintptr_t)from, code);
+    return *code == CL_SUCCESS ? buffer : NULL;
+}
+
+void cpm_opencl_lock(cpm_opencl *o) {
+    while (atomic_flag_test_and_set_explicit(&o->lock, memory_order_acquire)) {}
+}
+
+void cpm_opencl_unlock(cpm_opencl *o) { atomic_flag_clear_explicit(&o->lock, memory_order_release); }
+
 static cpm_status open_queue(cpm_context *context, cpm_opencl *o, void *caller_context, void *caller_queue) {
     cl_int code = CL_SUCCESS;
     if (caller_queue) {

@@ -21,6 +21,11 @@ typedef struct cpm_opencl {
     atomic_flag lock; /* guards programs and the queue: one call at a time */
 } cpm_opencl;
 
+/* A buffer with the contents, if any; NULL with `code` set where it cannot be had. Sizes of 0 are made 8. */
+cl_mem cpm_opencl_buffer(const cpm_opencl *opencl, cl_mem_flags flags, size_t size, const void *contents, cl_int *code);
+void cpm_opencl_lock(cpm_opencl *opencl);
+void cpm_opencl_unlock(cpm_opencl *opencl);
+
 /* Fails with a message of the context: what OpenCL said, and what may be done. */
 cpm_status cpm_opencl_failed(cpm_context *context, const cpm_opencl *opencl, const char *doing, cl_int code);
 #endif

@@ -27,9 +27,7 @@ static void release(const cpm_opencl *o, slice_buffers *b) {
 static cl_int buffer(const cpm_opencl *o, slice_buffers *b, int which, cl_mem_flags flags, size_t size,
                      const void *contents) {
     cl_int code = CL_SUCCESS;
-    b->buffer[which] = o->cl->CreateBuffer(o->context, flags | (contents ? CL_MEM_COPY_HOST_PTR : 0), size ? size : 8,
-                                           contents ? (void *)(uintptr_t)contents : NULL, &code);
-    if (code != CL_SUCCESS) b->buffer[which] = NULL;
+    b->buffer[which] = cpm_opencl_buffer(o, flags, size, contents, &code);
     return code;
 }
 
@@ -107,15 +105,13 @@ cpm_status cpm_opencl_trace(cpm_context *context, const cpm_medium *medium, cons
     slice_buffers b = {{0}};
     const int64_t slice = slice_of(o, samples, count);
     options_of(o, medium, control->method, single_precision, options, sizeof options);
-    while (atomic_flag_test_and_set_explicit(&o->lock, memory_order_acquire)) {}
+    cpm_opencl_lock(o);
     cpm_status status = cpm_program_kernel(context, "trace", "cpm_trace", options, &kernel);
     if (status == CPM_OK) {
-        static const double nothing[1] = {0.0};
         const size_t rays = (size_t)slice, path = (size_t)samples * 3 * sizeof(double);
         cl_int code = buffer(o, &b, MEDIUM, CL_MEM_READ_ONLY, sizeof medium->data, &medium->data);
         if (code == CL_SUCCESS)
-            code = buffer(o, &b, TABLE, CL_MEM_READ_ONLY, medium->table_count ? medium->table_count * 8 : 8,
-                          medium->table_count ? medium->table : nothing);
+            code = buffer(o, &b, TABLE, CL_MEM_READ_ONLY, medium->table_count * sizeof(double), medium->table);
         if (code == CL_SUCCESS) code = buffer(o, &b, CONTROL, CL_MEM_READ_ONLY, sizeof *control, control);
         if (code == CL_SUCCESS) code = buffer(o, &b, GOAL, CL_MEM_READ_ONLY, sizeof *goal, goal);
         if (code == CL_SUCCESS) code = buffer(o, &b, STARTS, CL_MEM_READ_ONLY, rays * sizeof *starts, NULL);
@@ -126,7 +122,7 @@ cpm_status cpm_opencl_trace(cpm_context *context, const cpm_medium *medium, cons
                      : cpm_opencl_failed(context, o, "making buffers", code);
         release(o, &b);
     }
-    atomic_flag_clear_explicit(&o->lock, memory_order_release);
+    cpm_opencl_unlock(o);
     return status;
 }
 #else

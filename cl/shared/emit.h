@@ -1,0 +1,101 @@
+/* shared/emit.h: how paths start. Lanes are paths.
+ *
+ * A light's paths follow Sobol's sequence, scrambled by the seed: point and spot lights walk through the cells of their
+ * projection map in order, area lights through their triangles, and both cover what they walk through evenly. Lit areas
+ * come out with far less noise than independent numbers would give. */
+#ifndef CPM_SHARED_EMIT_H
+#define CPM_SHARED_EMIT_H
+#include "../types/emitter.h"
+#include "../types/geometry.h"
+#include "philox.h"
+#include "sampling.h"
+#include "sobol.h"
+
+CPM_INLINE real emit_even(const cpm_emitter_data *e, word index, int dimension) {
+    return uniform_lanes(sobol_lanes(index, dimension, e->shift[dimension]));
+}
+
+/* The walk itself: path i of N is somewhere in [i, i + 1)/N. */
+CPM_INLINE real emit_walked(const cpm_emitter_data *e, word index) {
+    return (word_reals(index) + uniform_lanes(splat_word(e->shift[0]))) / R(e->count);
+}
+
+/* The interval of an ascending table that holds `wanted`: the last i with table[i] <= wanted, below `count`. */
+CPM_INLINE size_t emit_interval(CPM_GLOBAL const double *table, size_t count, double wanted) {
+    size_t low = 0, high = count;
+    while (high - low > 1) {
+        size_t middle = (low + high) / 2;
+        if (table[middle] <= wanted)
+            low = middle;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+/* A point or spot light's path `index` (of its own, below 2^32): unit direction, and the weight of its power. */
+CPM_INLINE real emit_delta(const cpm_emitter_data *e, CPM_GLOBAL const double *cumulative,
+                           CPM_GLOBAL const cpm_i32 *guide, CPM_GLOBAL const float *weight, word index,
+                           real3 *direction) {
+    real u = emit_even(e, index, 0), v = emit_even(e, index, 1), power = splat(1.0);
+    if (e->rows) {
+        double wanted[CPM_WIDTH], chosen[CPM_WIDTH], share[CPM_WIDTH];
+        const size_t cells = (size_t)e->rows * (size_t)e->columns;
+        store_doubles(emit_walked(e, index), wanted, 0);
+        for (int i = 0; i < CPM_WIDTH; i++) {
+            size_t part = (size_t)(wanted[i] * (double)cells);
+            size_t cell = (size_t)guide[part < cells ? part : cells - 1];
+            while (cell + 1 < cells && cumulative[cell + 1] <= wanted[i]) cell++;
+            chosen[i] = (double)(cpm_i32)cell;
+            share[i] = (double)weight[cell];
+        }
+        real cell = load_doubles(chosen, 0), row = floor_lanes((cell + R(0.5)) / R(e->columns)); /* far from rounding */
+        u = (row + u) / R(e->rows);
+        v = ((cell - row * R(e->columns)) + v) / R(e->columns);
+        power = load_doubles(share, 0);
+    }
+    real3 axis = triple(splat(e->axis[0]), splat(e->axis[1]), splat(e->axis[2]));
+    real cosine = R(1.0) - u * R(e->cutoff);
+    *direction = direction_about(axis, larger(splat(-1.0), cosine), v);
+    return power;
+}
+
+/* A point uniform over an area light, its unit normal, and the primitives that it is on: `along` chooses the triangle,
+ * (u, v) the point within it. */
+CPM_INLINE void emit_area_point(const cpm_emitter_data *e, CPM_GLOBAL const cpm_triangle *triangles,
+                                CPM_GLOBAL const double *area, real along, real u, real v, real3 *point, real3 *normal,
+                                cpm_i32 *primitive) {
+    if (e->radius > 0.0) {
+        *normal = sample_cone(triple(splat(0.0), splat(0.0), splat(1.0)), splat(-1.0), u, v);
+        *point = add3(triple(splat(e->position[0]), splat(e->position[1]), splat(e->position[2])), splat(e->radius),
+                      *normal);
+        for (int i = 0; i < CPM_WIDTH; i++) primitive[i] = e->primitive;
+        return;
+    }
+    double wanted[CPM_WIDTH], of[13][CPM_WIDTH];
+    store_doubles(along, wanted, 0);
+    for (int i = 0; i < CPM_WIDTH; i++) {
+        const size_t which = emit_interval(area, (size_t)e->triangles, wanted[i] * area[e->triangles]);
+        CPM_GLOBAL const cpm_triangle *t = &triangles[which];
+        for (int k = 0; k < 3; k++) {
+            of[k][i] = t->corner[k], of[3 + k][i] = t->edge1[k];
+            of[6 + k][i] = t->edge2[k], of[9 + k][i] = t->normal[k];
+        }
+        of[12][i] = t->inverse_area2;
+        primitive[i] = e->primitive + (cpm_i32)which;
+    }
+    real a, b;
+    sample_triangle(u, v, &a, &b);
+    *point = add3(add3(load3_doubles(of, 0), a, load3_doubles(of + 3, 0)), b, load3_doubles(of + 6, 0));
+    *normal = scale3(root(load_doubles(of[12], 0)), load3_doubles(of + 9, 0));
+}
+
+/* An area light's path: where it starts, whither, and on which primitive. */
+CPM_INLINE void emit_area(const cpm_emitter_data *e, CPM_GLOBAL const cpm_triangle *triangles,
+                          CPM_GLOBAL const double *area, word index, real3 *point, real3 *normal, real3 *direction,
+                          cpm_i32 *primitive) {
+    emit_area_point(e, triangles, area, emit_walked(e, index), emit_even(e, index, 0), emit_even(e, index, 1), point,
+                    normal, primitive);
+    *direction = sample_cosine(*normal, emit_even(e, index, 2), emit_even(e, index, 3));
+}
+#endif
