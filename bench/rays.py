@@ -221,13 +221,14 @@ def peers(case, end, length, repeats):
         from sksundae.cvode import CVODE
     except ImportError:
         return
+    counter = [0]
+
+    def rhs(_sigma, state, out):
+        counter[0] += 1
+        out[:3], out[3:] = state[3:], case.field(np.array(state[:3]))[1]
+
     for rtol in TOLERANCES:
-        counter = [0]
-
-        def rhs(_sigma, state, out, counter=counter):
-            counter[0] += 1
-            out[:3], out[3:] = state[3:], case.field(np.array(state[:3]))[1]
-
+        counter[0] = 0
         begun = time.perf_counter()
         solver = CVODE(rhs, method="Adams", rtol=rtol, atol=rtol * min(size, 1e3) * 1e-2, max_num_steps=100_000)
         solved = solver.solve(np.array([0.0, case.sigma]), y)

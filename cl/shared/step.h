@@ -83,7 +83,7 @@ CPM_INLINE real cpm_first_step(const cpm_step_control *c, const cpm_medium_data 
     if (c->step > 0.0) return R(c->step) / a->n;
     real bend = root(dot3(a->g, a->g)) / (a->n * a->n);
     real metres;
-    if (c->method == CPM_STEP_EULER || c->method == CPM_STEP_NYSTROM)
+    if (c->method == CPM_STEP_EULER || (c->method == CPM_STEP_NYSTROM && !cpm_is_singular(m)))
         metres = splat(c->first) / (bend + R(1e-30));
     else
         metres = splat(c->first) / (bend + R(1.0 / m->feature) + R(1e-30));
@@ -237,6 +237,7 @@ CPM_INLINE cpm_verdict cpm_judge(const cpm_step_control *c, const cpm_medium_dat
     real way_error = t->error_way, least = R(CPM_CUTOFF) * n_start;
     if (any_lane(v.turned)) {
         v.turned &= less(cpm_least_momentum(a->at.p, p, &v.where), least * least);
+        v.turned &= less(t->end.n, R(2.0) * larger(n_start, a->at.n)); /* a cut-off has n fall: not a centre met */
         way_error = pick(v.turned, zero, way_error); /* |p| has a kink there, n's quadrature is meaningless */
     }
     v.off = root(t->error_position2 + way_error * way_error);
@@ -257,15 +258,17 @@ CPM_INLINE cpm_verdict cpm_judge(const cpm_step_control *c, const cpm_medium_dat
     real slant = log2_rough(along * along) - log2_rough(dot3(push, push) * size + R(1e-30));
     slant = exp2_rough(smaller(larger(R(0.5) * slant, splat(-5.0)), zero)); /* cos a, 0.03 to 1 */
     const double rtol = fmax(c->rtol, CPM_LEAST_RTOL);
-    real may_off = R(c->lenient * rtol) * t->way, may_grow = R(c->grow * rtol) * slant + noise;
+    /* near a centre high orders are far from their asymptotes: the estimate is taken at its word */
+    const double lenient = c->method == CPM_STEP_NYSTROM && cpm_is_singular(m) ? 1.0 : c->lenient;
+    real may_off = R(lenient * rtol) * t->way, may_grow = R(c->grow * rtol) * slant + noise;
     if (c->atol > 0.0) {
         real expected = load_doubles(rays->expected, part);
         real share = pick(less(zero, expected), smaller(t->way / larger(expected, splat(1e-30)), one), splat(0.1));
-        may_off += R(c->lenient * c->atol) * share;
+        may_off += R(lenient * c->atol) * share;
     }
     real ratio = larger(v.off * may_grow, v.growth * may_off) / (may_off * may_grow);
-    ratio = larger(ratio, v.turn * R(1.0 / (c->lenient * rtol)));
-    if (c->dense) ratio = larger(ratio, R(1.0 / 64) * t->dense * R(c->lenient) / may_off);
+    ratio = larger(ratio, v.turn * R(1.0 / (lenient * rtol)));
+    if (c->dense) ratio = larger(ratio, R(1.0 / 64) * t->dense * R(lenient) / may_off);
     v.usable = t->good & (less(zero, t->way) | v.turned) & less(v.far, splat(CPM_FAR)) & at_most(ratio, splat(1e12));
     v.worth = c->step > 0.0 ? ~splat_mask(0) : at_most(ratio, one);
     v.ratio = log2_rough(larger(pick(v.usable, ratio, splat(1e12)), splat(1e-8)));

@@ -13,6 +13,7 @@
 #include "exact.h"
 #include "step.h"
 
+#define CPM_TOUCHING 1e-6 /* of a step: a plane so little beyond its end is met: the next step would start on it */
 #define CPM_LANDING 0.05 /* of a step: how far beyond its end the quintic is as good as its inside (piece.h) */
 #define CPM_REFILL 4     /* idle lanes that are worth a start of new rays */
 
@@ -51,7 +52,7 @@ CPM_INLINE void cpm_sample_piece(cpm_samples *s, const cpm_piece *piece, double 
 /* Where the ray of lane i ends if it ends in its piece: theta, else CPM_NO_ROOT. `aimed`: steps end near the plane. */
 CPM_INLINE double cpm_landing(const cpm_piece *piece, const cpm_ray_goal *plane, double length, int aimed) {
     if (length < 0.0)
-        return cpm_piece_plane(piece, plane->point, plane->normal, aimed ? 1.0 + CPM_LANDING : 1.0);
+        return cpm_piece_plane(piece, plane->point, plane->normal, aimed ? 1.0 + CPM_LANDING : 1.0 + CPM_TOUCHING);
     double margin = CPM_LANDING * (piece->length1 - piece->length0);
     return piece->length1 + margin >= length ? cpm_piece_theta(piece, length) : CPM_NO_ROOT;
 }

@@ -98,8 +98,10 @@ def trace(medium_or_scene: Medium | Scene | Any, origins: npt.ArrayLike, directi
         Metres of arc.
     until : (point, normal), optional
         A plane to stop at. In a medium exactly one of ``length`` and ``until`` is given, in a scene at most one.
-    method : {"auto", "exact", "euler", "rk4", "dopri5"}
-        "auto": exact where it exists, else the cheapest for the tolerance. "euler" is the paper's method.
+    method : {"auto", "exact", "euler", "rk4", "dopri5", "nystrom", "adams", "leapfrog", "yoshida6"}
+        "auto": exact where it exists, else the cheapest for the tolerance: "nystrom", Runge–Kutta–Nyström pairs 6(4)
+        (rtol > 3e-4) and 8(6). "adams": multistep, variable step and order up to 12. "leapfrog", "yoshida6": symplectic,
+        for very long paths; they and "rk4" take fixed steps and need ``step``. "euler" is the paper's method.
     exclude : sequence of str
         Methods that "auto" may not choose.
     rtol, atol : float, optional
@@ -110,7 +112,8 @@ def trace(medium_or_scene: Medium | Scene | Any, origins: npt.ArrayLike, directi
     max_step : float, optional
         Bound on adaptive steps, metres.
     error : {"local", "global"}
-        "local": summed embedded errors, indicative only. "global": difference to a second run at rtol/10.
+        "local": summed embedded errors, indicative only. "global": difference to a second run at rtol/10 and half the
+        steps (fixed steps: step/2); its evaluations are in ``error_evaluations``.
     max_evaluations : int
         Per ray.
     backend : str

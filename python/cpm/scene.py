@@ -33,7 +33,7 @@ class Scene:
         A ray that crosses it outward has ``LEFT``. Default: the box of shapes, lights and camera grown on each side
         by its diagonal; infinite where everything is homogeneous.
     method : str
-        Integrator of curved paths: "auto", "exact", "euler", "rk4" or "dopri5".
+        Integrator of curved paths, as in :func:`cpm.trace`.
     exclude : sequence of str
         Methods that "auto" may not choose.
     rtol, atol : float, optional

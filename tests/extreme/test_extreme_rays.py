@@ -17,7 +17,7 @@ def trace(medium, origin, direction, **options):
     return cpm.trace(medium, [origin], [direction], **options)
 
 
-@pytest.mark.parametrize("method", ["auto", "dopri5", "euler"])
+@pytest.mark.parametrize("method", ["auto", "dopri5", "euler", "nystrom", "adams"])
 def test_zero_length(method):
     rays_ = trace(cpm.media.Linear(1.3, gradient=(0, -0.05, 0)), (0.1, 0.2, 0.3), (1, 2, 2), length=0.0, method=method)
     np.testing.assert_array_equal(rays_.position[0], (0.1, 0.2, 0.3))
@@ -49,7 +49,7 @@ def test_huge_coordinates(kind, method):
     np.testing.assert_allclose(moved.direction[0], near.direction[0], rtol=0, atol=1e-7)
 
 
-@pytest.mark.parametrize("method", ["auto", "dopri5"])
+@pytest.mark.parametrize("method", ["auto", "dopri5", "adams"])
 def test_cutoff_at_normal_incidence(method):
     """n² = 1 − y: straight up, p → 0 at y = 1; the ray ends there with a status of its own."""
     medium = cpm.media.LinearSquared(1.0, gradient=(0, -1, 0))
@@ -59,7 +59,7 @@ def test_cutoff_at_normal_incidence(method):
 
 
 @pytest.mark.parametrize("angle", [1.0, 5.0, 45.0])
-@pytest.mark.parametrize("method", ["auto", "dopri5"])
+@pytest.mark.parametrize("method", ["auto", "dopri5", "adams"])
 def test_oblique_turns_back(angle, method):
     """Off the normal the same ray turns at n = n₀ sinθ and comes back: the parabola."""
     medium, d = (
@@ -73,7 +73,7 @@ def test_oblique_turns_back(angle, method):
     np.testing.assert_allclose(rays_.position[0], expected.position, rtol=0, atol=2e-7 if angle == 1.0 else 3e-8)
 
 
-@pytest.mark.parametrize("method", ["exact", "dopri5"])
+@pytest.mark.parametrize("method", ["exact", "dopri5", "nystrom", "adams"])
 def test_plane_never_reached(method):
     """A plane behind a turning ray: the ray ends with a status that is not `arrived`, and finite."""
     medium = cpm.media.LinearSquared(1.0, gradient=(0, -1, 0))
@@ -167,7 +167,7 @@ def test_grazing_turning_point():
         np.testing.assert_allclose(rays_.position[0], expected.position, rtol=0, atol=3e-8)
 
 
-@pytest.mark.parametrize("method", ["dopri5", "euler"])
+@pytest.mark.parametrize("method", ["dopri5", "euler", "nystrom", "adams"])
 def test_evaluations_exhausted(method):
     """The bound on evaluations ends the ray, with that status, a finite place, and no more work than allowed."""
     medium = cpm.media.Linear(1.5, gradient=(0, -1e-4, 0))
