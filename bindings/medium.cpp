@@ -13,6 +13,7 @@ cpm_dispersion make_dispersion(const std::string &kind, const std::vector<double
     else if (kind == "cauchy") dispersion.kind = CPM_DISPERSION_CAUCHY;
     else if (kind == "sellmeier") dispersion.kind = CPM_DISPERSION_SELLMEIER;
     else if (kind == "tabulated") dispersion.kind = CPM_DISPERSION_TABULATED;
+    else if (kind == "gas") dispersion.kind = CPM_DISPERSION_GAS;
     else throw py::value_error("dispersion kind is '" + kind + "'");
     if (coefficients.size() > CPM_DISPERSION_MAX_COEFFICIENTS)
         throw py::value_error("a dispersion has " + std::to_string(coefficients.size()) + " numbers; at most " +

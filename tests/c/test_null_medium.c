@@ -41,17 +41,21 @@ static void media_dispersion(void **state) {
         assert_refused(context, m, cpm_medium_create_dispersive(context, &d, &m));
     }
     d.count = 2;
-    const int32_t kinds[] = {-1, 5, INT32_MAX, INT32_MIN};
+    const int32_t kinds[] = {-1, 6, INT32_MAX, INT32_MIN};
     for (size_t i = 0; i < COUNT_OF(kinds); i++) {
         d.kind = kinds[i];
         assert_refused(context, m, cpm_medium_create_dispersive(context, &d, &m));
     }
-    for (int32_t kind = CPM_DISPERSION_CONSTANT; kind <= CPM_DISPERSION_TABULATED; kind++)
+    for (int32_t kind = CPM_DISPERSION_CONSTANT; kind <= CPM_DISPERSION_GAS; kind++)
         for (size_t i = 0; i < COUNT_OF(not_numbers); i++) {
             d.kind = kind;
             d.coefficients[0] = not_numbers[i];
             assert_refused(context, m, cpm_medium_create_dispersive(context, &d, &m));
         }
+    for (int32_t count = 0; count <= 7; count++) { /* a gas has four numbers, then pairs */
+        d = (cpm_dispersion){.struct_size = sizeof d, .kind = CPM_DISPERSION_GAS, .count = count, .coefficients = {3e-4}};
+        if (count != 4 && count != 6) assert_refused(context, m, cpm_medium_create_dispersive(context, &d, &m));
+    }
     d = (cpm_dispersion){.struct_size = 0};
     assert_refused(context, m, cpm_medium_create_dispersive(context, &d, &m));
     cpm_context_release(context);

@@ -22,7 +22,9 @@ typedef enum cpm_dispersion_kind {
     CPM_DISPERSION_CONSTANT = 1,  /* n = c[0] */
     CPM_DISPERSION_CAUCHY = 2,    /* n = c[0] + c[1]/w^2 + c[2]/w^4 + ..., w in micrometres */
     CPM_DISPERSION_SELLMEIER = 3, /* n^2 = 1 + sum c[2i] w^2/(w^2 - c[2i+1]), w in micrometres, c[2i+1] in um^2 */
-    CPM_DISPERSION_TABULATED = 4  /* linear between (c[2i] nm, c[2i+1]) */
+    CPM_DISPERSION_TABULATED = 4, /* linear between (c[2i] nm, c[2i+1]) */
+    CPM_DISPERSION_GAS = 5        /* n = 1 + c[0] + c[1] k + c[2] k^2 + c[3] k^3 + sum c[2i+4]/(c[2i+5] - k), k = 1/w^2,
+                                     w in micrometres; at least the four first. Edlen's and Ciddor's form for air */
 } cpm_dispersion_kind;
 
 #define CPM_DISPERSION_MAX_COEFFICIENTS 64
