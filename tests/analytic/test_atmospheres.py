@@ -234,7 +234,7 @@ def test_missing_sounding(tmp_path):
     (lambda: Table([0, 0], [288, 281]), r"h\[1\] is 0 m.*increase strictly"), (lambda: Table([0], [288]), "at least 2"),
     (lambda: Table([0, 1], [288, 281, 270]), "T has shape"), (lambda: Table([0, 1000], [288, 281], [1e5, 1.1e5]), r"p\[1\].*must fall"),
     (lambda: Table([0, 1000], [288, 281], 1013.25), "hPa"), (lambda: Table([0, 1000], [288, 281], interpolation="cubic"), "monotone"),
-    (lambda: HotSurface(USStandard1976(), 30.0, 0.0), "thickness is 0 m"), (lambda: HotSurface(USStandard1976(), 900.0, 1.0), "gives 1188.15 K"),
+    (lambda: HotSurface(USStandard1976(), 30.0, 0.0), "thickness is 0 m"), (lambda: HotSurface(USStandard1976(), 900.0, 1.0), "excess is 900 K"), (lambda: HotSurface(USStandard1976(), 400.0, 1.0), "gives 688.15 K"),
     (lambda: Inversion(USStandard1976(), -5.0, 3.0, 1.0), "height is -5 m"), (lambda: Inversion(USStandard1976(), 50.0, np.inf, 1.0), "strength is inf"),
 ])
 def test_bad_profiles(make, message):

@@ -108,6 +108,19 @@ static void media_tables(void **state) {
     d = good, d.heights = repeated;
     assert_refused(context, m, cpm_medium_create_layered(context, &d, NULL, &m));
 
+    const size_t kinks[][2] = {{1, 1}, {0, 1}, {2, 0}, {3, 0}, {SIZE_MAX, 0}}; /* only {1} serves three heights */
+    for (size_t i = 0; i < COUNT_OF(kinks); i++) {
+        d = good, d.kinks = kinks[i], d.kink_count = i < 2 ? 2 : 1;
+        assert_refused(context, m, cpm_medium_create_layered(context, &d, NULL, &m));
+    }
+    d = good, d.kink_count = 1;
+    assert_refused(context, m, cpm_medium_create_layered(context, &d, NULL, &m));
+    d.kinks = kinks[0], d.interpolation = CPM_INTERPOLATION_STEP;
+    assert_refused(context, m, cpm_medium_create_layered(context, &d, NULL, &m));
+    d.interpolation = CPM_INTERPOLATION_CUBIC;
+    assert_ok(context, cpm_medium_create_layered(context, &d, NULL, &m));
+    cpm_medium_release(m);
+
     const double samples[8] = {1.1, 1.1, 1.1, 1.1, 1.2, 1.2, 1.2, 1.2};
     const cpm_grid_desc grid = {.struct_size = sizeof grid, .values = samples, .size = {2, 2, 2}, .spacing = {1, 1, 1}};
     assert_refused(context, m, cpm_medium_create_grid(context, NULL, NULL, &m));

@@ -68,6 +68,9 @@ typedef struct cpm_layered_desc {
     double origin[3];
     int32_t interpolation; /* CUBIC, LINEAR_SQUARED or STEP */
     int32_t reserved;
+    const size_t *kinks; /* CUBIC: kink_count ascending indices of heights where the slope of n may jump (a tropopause):
+                            natural splines that meet there. NULL: one spline */
+    size_t kink_count;
 } cpm_layered_desc;
 CPM_API cpm_status cpm_medium_create_layered(cpm_context *context, const cpm_layered_desc *desc,
                                              const cpm_dispersion *dispersion, cpm_medium **medium);

@@ -24,16 +24,19 @@ class _Changed(Profile):
             raise TypeError(f"base is {base!r}; a profile of cpm.atmosphere is needed")
         self.base = base
         self.ground, self.top, self.radius = base.ground, base.top, base.radius
-        self._own = [h for h in features if self.ground < h < self.top]
-        knots = np.unique(np.concatenate([np.arange(self.ground, self.top, _STEP), self._own,
-                                          [h for h in base._kinks() + base._features() if self.ground < h < self.top]]))
-        temperature = self._temperature(knots)
+        self._own = [h for h in features if h < self.top]
+        lowest = self.ground - 2 * _STEP
+        knots = np.unique(np.concatenate([np.arange(lowest, self.top, _STEP), [self.ground], [
+            h for h in [*self._own, *base._kinks(), *base._features()] if lowest < h < self.top]]))
+        air = knots[knots >= self.ground]
+        temperature = self._temperature(air)
         if not (np.abs(temperature - 275.0) <= 225.0).all():
             bad = int(np.argmax(np.abs(temperature - 275.0)))
-            raise ValueError(f"{type(self).__name__} gives {temperature[bad]:g} K at {knots[bad]:g} m; 50 to 500 K are allowed")
+            raise ValueError(f"{type(self).__name__} gives {temperature[bad]:g} K at {air[bad]:g} m; 50 to 500 K are allowed")
         self._knots = knots
         pieces = self._correction(knots[:-1], knots[1:])
         self._sums = np.concatenate([[0.0], np.cumsum(pieces)])
+        self._sums -= self._sums[np.searchsorted(knots, self.ground)]
 
     def _difference(self, h: FloatArray) -> FloatArray:
         raise NotImplementedError
@@ -72,21 +75,26 @@ class HotSurface(_Changed):
     base : Profile
         What is above.
     excess : float
-        K at the surface; negative over a cold one.
+        K at the surface, -80 to 500; negative over a cold one.
     thickness : float
         Height over which the excess falls to 1/e, metres.
     """
 
     def __init__(self, base: Profile, excess: float, thickness: float) -> None:
         self.excess, self.thickness = as_number(excess, "excess"), as_number(thickness, "thickness")
+        if not -80.0 <= self.excess <= 500.0:
+            raise ValueError(f"excess is {self.excess:g} K; -80 to 500 are allowed")
         if not self.thickness > 0:
             raise ValueError(f"thickness is {self.thickness:g} m; above 0 is needed")
         ground = base.ground if isinstance(base, Profile) else 0.0
-        super().__init__(base, [ground + self.thickness * k for k in (0.25, 0.5, 1, 1.5, 2, 3, 4, 6, 8, 12, 16, 24, 32, 40)])
+        steps = (0.25, 0.5, 1, 1.5, 2, 3, 4, 6, 8, 12, 16, 24, 32, 40)
+        super().__init__(base, [ground + self.thickness * k for k in (*steps, *(-k for k in steps))])
 
     def _difference(self, h: FloatArray) -> FloatArray:
-        above = np.maximum(h - self.base.ground, 0.0) / self.thickness  # below the ground: as at it
-        return self.excess * np.exp(-above)
+        # Under the ground it goes on for half a thickness and then stays bounded: no ray sees it, but integrators step there.
+        x = (h - self.base.ground) / self.thickness
+        deep = np.exp(2.0 * np.minimum(x + 0.5, 0.0))
+        return self.excess * np.exp(-np.maximum(x, -0.5)) * (1.5 - 0.5 * deep)
 
     def __repr__(self) -> str:
         return f"HotSurface({self.base!r}, excess={self.excess:g}, thickness={self.thickness:g})"
