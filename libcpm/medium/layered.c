@@ -38,7 +38,7 @@ static cpm_status check(cpm_context *context, const cpm_layered_desc *d) {
                         cubic ? "kinks is NULL" : "only CUBIC takes kinks");
     for (size_t k = 0; k < d->kink_count; k++) {
         size_t least_kink = k ? d->kinks[k - 1] + 1 : 1;
-        if (d->kinks[k] < least_kink || d->kinks[k] + 1 >= d->count)
+        if (d->kinks[k] < least_kink || d->kinks[k] >= d->count - 1)
             return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT,
                             "kinks[%zu] is %zu; must be an inner height's index, 1 to %zu, and ascend", k, d->kinks[k],
                             d->count - 2);
