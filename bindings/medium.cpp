@@ -35,7 +35,7 @@ std::shared_ptr<Medium> make_medium(Create &&create) {
 }
 
 std::shared_ptr<Medium> make_layered(const Doubles &heights, const Doubles &n, const Point &up, const Point &origin,
-                                     int32_t interpolation, const cpm_dispersion *dispersion,
+                                     double radius, int32_t interpolation, const cpm_dispersion *dispersion,
                                      const std::vector<size_t> &kinks) {
     cpm_layered_desc desc{};
     desc.struct_size = sizeof desc;
@@ -45,6 +45,7 @@ std::shared_ptr<Medium> make_layered(const Doubles &heights, const Doubles &n, c
     std::copy(up.begin(), up.end(), desc.up);
     std::copy(origin.begin(), origin.end(), desc.origin);
     desc.interpolation = interpolation;
+    desc.radius = radius;
     desc.kinks = kinks.data();
     desc.kink_count = kinks.size();
     return make_medium([&](cpm_context *context, cpm_medium **medium) {
@@ -143,8 +144,8 @@ void bind_medium(py::module_ &module) {
             });
         },
         arg("n"), arg("gradient"), arg("origin"), arg("dispersion").none(true));
-    module.def("layered", &make_layered, arg("heights"), arg("n"), arg("up"), arg("origin"), arg("interpolation"),
-               arg("dispersion").none(true), arg("kinks") = std::vector<size_t>{});
+    module.def("layered", &make_layered, arg("heights"), arg("n"), arg("up"), arg("origin"), arg("radius"),
+               arg("interpolation"), arg("dispersion").none(true), arg("kinks") = std::vector<size_t>{});
     module.def("grid", &make_grid, arg("values"), arg("origin"), arg("spacing"), arg("interpolation"),
                arg("dispersion").none(true));
 }

@@ -86,6 +86,7 @@ static inline double cpm_double_of(cpm_u64 bits) {
         */
 
 #define CPM_INLINE static inline
+#define CPM_OUTLINE static __attribute__((noinline, unused)) /* called, not copied to where it is used */
 typedef CPM_SCALAR scalar;
 typedef CPM_INTEGER integer;
 #define R(x) ((scalar)(x)) /* every literal of lane arithmetic: no silent double */
@@ -361,6 +362,33 @@ CPM_INLINE mask load_flags(const cpm_i64 *p, int part) {
 CPM_INLINE void store_flags(mask v, cpm_i64 *p, int part) {
     cpm_flags d = __builtin_convertvector(v, cpm_flags);
     memcpy(p + part * CPM_WIDTH, &d, sizeof d);
+}
+#endif
+/* Lanes of double whatever the precision: what a ray's state is added up in, so that float steps lose nothing to it. */
+#if CPM_WIDTH == 1
+typedef double wide;
+#define to_wide(v) ((double)(v))
+#define load_wide(p, part) ((p)[part])
+#define store_wide(v, p, part) ((p)[part] = (v))
+#define root_wide(v) cpm_sqrt(v)
+#elif defined(__OPENCL_VERSION__)
+typedef CPM_GLUE(double, CPM_WIDTH) wide;
+#define to_wide(v) CPM_GLUE(convert_double, CPM_WIDTH)(v)
+#define load_wide(p, part) CPM_GLUE(vload, CPM_WIDTH)(part, p)
+#define store_wide(v, p, part) CPM_GLUE(vstore, CPM_WIDTH)(v, part, p)
+#define root_wide(v) sqrt(v)
+#else
+typedef cpm_doubles wide;
+#define to_wide(v) __builtin_convertvector(v, wide)
+CPM_INLINE wide load_wide(const double *p, int part) {
+    wide v;
+    memcpy(&v, p + part * CPM_WIDTH, sizeof v);
+    return v;
+}
+CPM_INLINE void store_wide(wide v, double *p, int part) { memcpy(p + part * CPM_WIDTH, &v, sizeof v); }
+CPM_INLINE wide root_wide(wide v) {
+    for (int i = 0; i < CPM_WIDTH; i++) v[i] = sqrt(v[i]);
+    return v;
 }
 #endif
 #define load3_doubles(p, part)                                                                                         \

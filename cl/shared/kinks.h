@@ -87,34 +87,94 @@ CPM_INLINE real cpm_kink_of_layers(const cpm_medium_data *m, CPM_GLOBAL const do
     return cpm_kink_along(u, hair, forward, magnitude(speed), dot3(a->g, up), below, above);
 }
 
+/* The same for spherical layers, along q = rho^2 - R^2, which is a parabola in sigma where the path is one: q' = 2 p . D,
+ * q'' = 2 (|p|^2 + g . D), D = r - centre. A hair of height is 2 rho of it. */
+CPM_INLINE real cpm_kink_of_shells(const cpm_medium_data *m, CPM_GLOBAL const double *table, scalar thin,
+                                   const cpm_point *a, mask *near) {
+    const real none = splat(CPM_NO_KINK), low = splat(m->low), high = splat(m->high), one = splat(1.0);
+    const scalar twice = R(2.0 * m->radius);
+    cpm_shell_place s = cpm_shell_at(m, a->r);
+    real speed = dot3(a->p, s.out), forward = cpm_forward(speed), hair = cpm_hair_of_layers(m, thin, a->r);
+    real ahead = s.height + R(3.0) * hair * forward, behind = s.height - R(3.0) * hair * forward;
+    real above = pick(less(ahead, low), low, high), below = pick(less(high, ahead), high, low);
+    mask crossed =
+        less((ahead - low) * (behind - low), splat(0.0)) | less((ahead - high) * (behind - high), splat(0.0));
+    if (m->interpolation == CPM_FIELD_LINEAR_SQUARED) {
+        mask layer = cpm_layer_of(m, table, ahead);
+        real number = to_reals(layer), last = splat(m->size[0] - 1);
+        cpm_rows rows = rows_at(table, to_integers(smaller(number, last)) + splat_mask(m->heights));
+        above = fetch(&rows, 0);
+        rows = rows_at(table, to_integers(larger(number - one, splat(0.0))) + splat_mask(m->heights));
+        below = fetch(&rows, 0);
+        crossed = ~equal(layer, cpm_layer_of(m, table, behind));
+    }
+    above = pick(at_most(high, ahead), none, above * (twice + above));
+    below = pick(at_most(ahead, low), -none, below * (twice + below));
+    *near |= crossed;
+    return cpm_kink_along(s.q, hair * (R(2.0) * s.rho), forward, R(2.0) * magnitude(speed),
+                          R(2.0) * (dot3(a->p, a->p) + dot3(a->g, s.out)), below, above);
+}
+
 /* Kinks that matter at this tolerance: in every cell a step over one of relative size k has an error of about k/20;
  * those at the ends of a smooth table are few and always worth it, but for slopes of rounding. */
 CPM_INLINE int cpm_has_kinks(const cpm_medium_data *m, double rtol) {
     return m->interpolation == CPM_FIELD_CUBIC ? m->jump * m->feature > 0.1 * rtol : m->kink > 20.0 * rtol;
 }
 
-/* Sigma to a hair before the next face; *near: one is within a few hairs already. */
-CPM_INLINE real cpm_next_kink(const cpm_medium_data *m, CPM_GLOBAL const double *table, double rtol, const cpm_point *a,
+/* Sigma to a hair before the next face; *near: one is within a few hairs already. Of a medium that is no sum. */
+CPM_INLINE real cpm_next_kink_of(const cpm_medium_data *m, CPM_GLOBAL const double *table, double rtol, const cpm_point *a,
                               mask *near) {
     const scalar thin = cpm_hair(m, rtol);
     *near = splat_mask(0);
     if (CPM_IS_KIND(m, CPM_MEDIUM_LAYERED)) return cpm_kink_of_layers(m, table, thin, a, near);
+    if (CPM_IS_KIND(m, CPM_MEDIUM_SHELLS)) return cpm_kink_of_shells(m, table, thin, a, near);
     real x = cpm_kink_of_axis(m, thin, 0, a->r.x, a->p.x, a->g.x, near);
     real y = cpm_kink_of_axis(m, thin, 1, a->r.y, a->p.y, a->g.y, near);
     return smaller(smaller(x, y), cpm_kink_of_axis(m, thin, 2, a->r.z, a->p.z, a->g.z, near));
 }
 
 /* A place a few hairs along the ray, on the other side of a face that is that near. */
-CPM_INLINE real3 cpm_beyond_kink(const cpm_medium_data *m, double rtol, const cpm_point *a) {
+CPM_INLINE real3 cpm_beyond_kink_of(const cpm_medium_data *m, double rtol, const cpm_point *a) {
     const scalar thin = cpm_hair(m, rtol), few = R(4.0);
     if (CPM_IS_KIND(m, CPM_MEDIUM_LAYERED)) {
         real3 up = cpm_times_axis(m, splat(1.0));
         return add3(a->r, few * cpm_forward(dot3(a->p, up)) * cpm_hair_of_layers(m, thin, a->r), up);
+    }
+    if (CPM_IS_KIND(m, CPM_MEDIUM_SHELLS)) {
+        cpm_shell_place s = cpm_shell_at(m, a->r);
+        real hairs = few * cpm_forward(dot3(a->p, s.out)) * cpm_hair_of_layers(m, thin, a->r);
+        return add3(a->r, hairs / (s.rho + R(1e-30)), s.out);
     }
     real3 r = a->r;
     r.x += few * cpm_forward(a->p.x) * cpm_hair_of_axis(m, thin, 0, r.x);
     r.y += few * cpm_forward(a->p.y) * cpm_hair_of_axis(m, thin, 1, r.y);
     r.z += few * cpm_forward(a->p.z) * cpm_hair_of_axis(m, thin, 2, r.z);
     return r;
+}
+
+/* Of any medium: a sum has the kinks of its terms. */
+CPM_INLINE real cpm_next_kink(const cpm_medium_data *m, CPM_GLOBAL const double *table, double rtol, const cpm_point *a,
+                              mask *near) {
+    if (!CPM_IS_KIND(m, CPM_MEDIUM_SUM)) return cpm_next_kink_of(m, table, rtol, a, near);
+    real next = splat(CPM_NO_KINK);
+    mask any = splat_mask(0);
+    for (int i = 0; i < m->size[0]; i++) {
+        const cpm_term t = cpm_term_at(m, table, i);
+        if (!cpm_has_kinks(&t.data, rtol)) continue;
+        next = smaller(next, cpm_next_kink_of(&t.data, table + t.table, rtol, a, near));
+        any |= *near;
+    }
+    *near = any;
+    return next;
+}
+CPM_INLINE real3 cpm_beyond_kink(const cpm_medium_data *m, CPM_GLOBAL const double *table, double rtol,
+                                 const cpm_point *a) {
+    if (!CPM_IS_KIND(m, CPM_MEDIUM_SUM)) return cpm_beyond_kink_of(m, rtol, a);
+    cpm_point beyond = *a;
+    for (int i = 0; i < m->size[0]; i++) {
+        const cpm_term t = cpm_term_at(m, table, i);
+        if (cpm_has_kinks(&t.data, rtol)) beyond.r = cpm_beyond_kink_of(&t.data, rtol, &beyond);
+    }
+    return beyond.r;
 }
 #endif

@@ -16,6 +16,9 @@
  *
  * Steps end where grad n jumps (kinks.h), one evaluation more each; fixed steps do not.
  *
+ * Float lanes: positions, momenta and lengths are added up in double, r + h p + bend, p + push, with only the small bend
+ * and push, and what the field is asked, in float (CPM_SINGLE): rounding grows with what a step bends, not with where it is.
+ *
  * A ray ends by status: evaluations exhausted, no step small enough (64 refusals running, or a step that moves
  * nothing), cut-off: n below 1e-6 of its start, or a turn back through p = 0 (normal incidence on n = 0), left: 1e100 m
  * gone. */
@@ -78,7 +81,17 @@ CPM_INLINE void cpm_lanes_begin(const cpm_step_control *c, const cpm_medium_data
         real h = load_doubles(rays->h, part), expected = load_doubles(rays->expected, part);
         h = pick(less(zero, h), h, cpm_first_step(c, m, &a, expected));
 #define CPM_FRESH(field, value) store_doubles(pick(new_ray, value, load_doubles(rays->field, part)), rays->field, part)
+#if CPM_SINGLE
+        wide px = load_wide(rays->p[0], part), py = load_wide(rays->p[1], part), pz = load_wide(rays->p[2], part);
+        mask keep = ~(new_ray & good & less(zero, size));
+        wide unit = to_wide(pick(keep, splat(1.0), a.n)) / root_wide(to_wide(pick(keep, splat(1.0), zero)) +
+                    to_wide(pick(keep, zero, splat(1.0))) * (px * px + py * py + pz * pz));
+        store_wide(px * unit, rays->p[0], part);
+        store_wide(py * unit, rays->p[1], part);
+        store_wide(pz * unit, rays->p[2], part);
+#else
         store3_doubles(a.p, rays->p, part);
+#endif
         store3_doubles(pick3(new_ray, a.g, load3_doubles(rays->g, part)), rays->g, part);
         CPM_FRESH(n, pick(good, a.n, zero));
         CPM_FRESH(n_start, a.n);
@@ -153,7 +166,7 @@ CPM_INLINE cpm_attempt cpm_prepare(const cpm_step_control *c, const cpm_medium_d
         mask at_kink = load_flags(rays->at_kink, part) & going, near;
         if (any_lane(at_kink)) {
             real ignored;
-            real3 beyond = cpm_beyond_kink(m, c->rtol, &a.at);
+            real3 beyond = cpm_beyond_kink(m, table, c->rtol, &a.at);
             a.at.g = pick3(at_kink, cpm_field(m, table, beyond, a.at.scale, &ignored), a.at.g);
             a.evaluations = pick(at_kink, evaluations + R(1.0), evaluations);
         }
@@ -239,27 +252,61 @@ CPM_INLINE void cpm_end_at_turn(const cpm_attempt *a, mask backward, real h, rea
     t->end.n = pick(backward, root(dot3(t->end.p, t->end.p)), t->end.n);
     t->way = pick(backward, root(dot3(went, went)), t->way);
     t->path = pick(backward, R(2.0 / 3.0) * a->at.n * t->way, t->path);
+    if (CPM_SINGLE) {
+        t->bend = pick3(backward, scale3(R(0.5) * h * h, a->at.g), t->bend);
+        t->push = pick3(backward, sub3(t->end.p, a->at.p), t->push);
+    }
 }
+
+#if CPM_SINGLE
+/* Moves one coordinate on in double: the piece's start, then r += h p + bend, p += push where accepted. */
+CPM_INLINE void cpm_keep_axis(double *r0, double *p0, double *r, double *p, int part, wide h, real bend, real push) {
+    wide at = load_wide(r, part), momentum = load_wide(p, part);
+    store_wide(at, r0, part);
+    store_wide(momentum, p0, part);
+    store_wide(at + (h * momentum + to_wide(bend)), r, part);
+    store_wide(momentum + to_wide(push), p, part);
+}
+CPM_INLINE void cpm_keep_wide(cpm_lane_rays *rays, int part, const cpm_trial *t, mask accepted, real piece_h) {
+    const real zero = splat(0.0);
+    const real3 none = triple(zero, zero, zero), bend = pick3(accepted, t->bend, none), push = pick3(accepted, t->push, none);
+    const wide h = to_wide(pick(accepted, piece_h, zero));
+    cpm_keep_axis(rays->r0[0], rays->p0[0], rays->r[0], rays->p[0], part, h, bend.x, push.x);
+    cpm_keep_axis(rays->r0[1], rays->p0[1], rays->r[1], rays->p[1], part, h, bend.y, push.y);
+    cpm_keep_axis(rays->r0[2], rays->p0[2], rays->r[2], rays->p[2], part, h, bend.z, push.z);
+    const wide length = load_wide(rays->length, part), path = load_wide(rays->optical_path, part);
+    store_wide(length, rays->length0, part);
+    store_wide(path, rays->optical_path0, part);
+    store_wide(length + to_wide(pick(accepted, t->way, zero)), rays->length, part);
+    store_wide(path + to_wide(pick(accepted, t->path, zero)), rays->optical_path, part);
+}
+#endif
 
 /* Moves the accepted lanes on, and leaves their piece behind. */
 CPM_INLINE void cpm_keep(cpm_lane_rays *rays, int part, const cpm_attempt *a, const cpm_trial *t, const cpm_verdict *v,
                          mask accepted, real piece_h) {
-    const real length = load_doubles(rays->length, part), path = load_doubles(rays->optical_path, part);
     const real error_turn = load_doubles(rays->error_turn, part);
+#if CPM_SINGLE
+    cpm_keep_wide(rays, part, t, accepted, piece_h);
+#else
+    const real length = load_doubles(rays->length, part), path = load_doubles(rays->optical_path, part);
     store3_doubles(pick3(accepted, a->at.r, load3_doubles(rays->r0, part)), rays->r0, part);
     store3_doubles(pick3(accepted, a->at.p, load3_doubles(rays->p0, part)), rays->p0, part);
-    store3_doubles(pick3(accepted, a->at.g, load3_doubles(rays->g0, part)), rays->g0, part);
     store3_doubles(pick3(accepted, t->end.r, a->at.r), rays->r, part);
     store3_doubles(pick3(accepted, t->end.p, a->at.p), rays->p, part);
+#endif
+    store3_doubles(pick3(accepted, a->at.g, load3_doubles(rays->g0, part)), rays->g0, part);
     store3_doubles(pick3(accepted, t->end.g, a->at.g), rays->g, part);
     store_doubles(pick(accepted, t->end.n, a->at.n), rays->n, part);
 #define CPM_KEEP(field, value) store_doubles(pick(accepted, value, load_doubles(rays->field, part)), rays->field, part)
     CPM_KEEP(n0, a->at.n);
+    CPM_KEEP(piece_h, piece_h);
+#if !CPM_SINGLE
     CPM_KEEP(length0, length);
     CPM_KEEP(optical_path0, path);
-    CPM_KEEP(piece_h, piece_h);
     CPM_KEEP(length, length + t->way);
     CPM_KEEP(optical_path, path + t->path);
+#endif
     CPM_KEEP(steps, load_doubles(rays->steps, part) + R(1.0));
     CPM_KEEP(drift_now, v->drift);
     CPM_KEEP(drift, larger(load_doubles(rays->drift, part), v->drift));
@@ -312,6 +359,7 @@ CPM_INLINE void cpm_lanes_attempt_part(const cpm_step_control *c, const cpm_medi
     /* Does it end? */
     real3 moved = sub3(t.end.r, a.at.r);
     mask still = accepted & equal(moved.x, zero) & equal(moved.y, zero) & equal(moved.z, zero);
+    if (CPM_SINGLE) still = accepted & ~less(zero, t.way); /* the double sum may move where a float does not */
     mask stuck = (refused & less(splat(CPM_MAX_REFUSED), running)) | still;
     mask why = pick_mask(t.good, splat_mask(CPM_ENDED_UNDERFLOW), splat_mask(CPM_ENDED_CUTOFF));
     status = pick_mask(stuck, why, status);

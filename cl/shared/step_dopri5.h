@@ -55,6 +55,7 @@ CPM_INLINE cpm_trial cpm_step_dopri5(const cpm_medium_data *m, CPM_GLOBAL const 
         }
     }
     t.end.p = add3(a->p, h, turn);
+    if (CPM_SINGLE) t.bend = scale3(hh, move), t.push = scale3(h, turn);
     t.end.g = g[6];
     t.end.n = n[6];
     t.end.scale = a->scale;

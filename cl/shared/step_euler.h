@@ -20,6 +20,7 @@ CPM_INLINE cpm_trial cpm_step_euler(const cpm_medium_data *m, CPM_GLOBAL const d
     t.good = less(splat(0.0), n);
     t.end.r = add3(add3(a->r, h, a->p), R(2.0) * quarter, a->g);
     t.end.p = add3(a->p, h, g);
+    if (CPM_SINGLE) t.bend = scale3(R(2.0) * quarter, a->g), t.push = scale3(h, g);
     t.end.g = cpm_field(m, table, t.end.r, a->scale, &t.end.n);
     t.end.scale = a->scale;
     t.good &= less(splat(0.0), t.end.n);

@@ -20,7 +20,12 @@ CPM_INLINE cpm_trial cpm_step_rk4(const cpm_medium_data *m, CPM_GLOBAL const dou
     real3 middle = add3(g2, splat(1.0), g3);
     real sixth = R(1.0 / 6.0) * h;
     t.end.r = add3(add3(a->r, h, a->p), sixth * h, add3(middle, splat(1.0), a->g));
-    t.end.p = add3(a->p, sixth, add3(add3(a->g, splat(2.0), middle), splat(1.0), g4));
+    real3 weighed = add3(add3(a->g, splat(2.0), middle), splat(1.0), g4);
+    t.end.p = add3(a->p, sixth, weighed);
+    if (CPM_SINGLE) {
+        t.bend = scale3(sixth * h, add3(middle, splat(1.0), a->g));
+        t.push = scale3(sixth, weighed);
+    }
     t.end.g = cpm_field(m, table, t.end.r, a->scale, &t.end.n);
     t.end.scale = a->scale;
     t.good = less(splat(0.0), n2) & less(splat(0.0), n3) & less(splat(0.0), n4) & less(splat(0.0), t.end.n);

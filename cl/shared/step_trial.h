@@ -10,6 +10,7 @@ typedef struct {
 
 typedef struct {
     cpm_point end;
+    real3 bend, push;     /* end.r - r - h p and end.p - p: what float lanes are added up by (step.h); set where CPM_SINGLE */
     real way, path;       /* arc length and optical path of the step, metres */
     real error_position2; /* metres^2: square of the estimate for the lower-order result */
     real error_way;       /* metres of arc length, signed */

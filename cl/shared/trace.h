@@ -3,6 +3,9 @@
  * Eight rays at a time; a lane whose ray has ended is loaded anew once half of the packet is idle, so that a slow ray
  * does not hold the others. Lanes never influence each other: a ray's result does not depend on what runs beside it.
  *
+ * Float lanes run in a frame whose origin is the medium's, moved there in double (cpm_local_frame): what the field sees is
+ * as small as it can be.
+ *
  * With samples > 0 (path samples wanted) the same rays are traced once more, after a first call that found their
  * lengths: positions are written as they are passed, so that no path is ever stored. */
 #ifndef CPM_SHARED_TRACE_H
@@ -21,12 +24,26 @@ typedef struct {
     cpm_i64 samples;
 } cpm_trace_arrays;
 
-CPM_INLINE void cpm_sample_piece(cpm_samples *s, const cpm_piece *piece, double length, int last) {
+/* Media that may be moved by their origin, the same in any frame. */
+CPM_INLINE int cpm_movable(const cpm_medium_data *m) {
+    return m->kind == CPM_MEDIUM_LINEAR_SQUARED || m->kind == CPM_MEDIUM_LINEAR || m->kind == CPM_MEDIUM_LAYERED ||
+           m->kind == CPM_MEDIUM_GRID || m->kind == CPM_MEDIUM_SHELLS;
+}
+/* The medium and the goal in the frame that float lanes run in; `shift` is that frame's origin, 0 in double. */
+CPM_INLINE void cpm_local_frame(cpm_medium_data *m, cpm_ray_goal *goal, double shift[3]) {
+    for (int k = 0; k < 3; k++) {
+        shift[k] = CPM_SINGLE && cpm_movable(m) ? m->origin[k] : 0.0;
+        m->origin[k] -= shift[k];
+        goal->point[k] -= shift[k];
+    }
+}
+
+CPM_INLINE void cpm_sample_piece(cpm_samples *s, const cpm_piece *piece, double length, int last, const double shift[3]) {
     while (s->next < s->count) {
         double wanted = s->step * (double)s->next, r[3];
         if (wanted > length && !last) return;
         cpm_piece_position(piece, cpm_piece_theta(piece, wanted < length ? wanted : length), r);
-        for (int k = 0; k < 3; k++) s->position[3 * s->next + k] = r[k];
+        for (int k = 0; k < 3; k++) s->position[3 * s->next + k] = r[k] + shift[k];
         s->next++;
     }
 }
@@ -39,7 +56,7 @@ CPM_INLINE double cpm_landing(const cpm_piece *piece, const cpm_ray_goal *plane,
 }
 
 CPM_INLINE void cpm_end_of_lane(const cpm_lane_rays *rays, int i, const cpm_piece *piece, double theta, double length,
-                                cpm_ray_end *end) {
+                                const double shift[3], cpm_ray_end *end) {
     for (int k = 0; k < 3; k++) end->r[k] = rays->r[k][i], end->p[k] = rays->p[k][i];
     end->length = rays->length[i], end->optical_path = rays->optical_path[i];
     end->status = (cpm_i32)rays->status[i];
@@ -53,6 +70,7 @@ CPM_INLINE void cpm_end_of_lane(const cpm_lane_rays *rays, int i, const cpm_piec
         end->optical_path = cpm_quintic_at(c, theta);
         end->status = CPM_ENDED_ARRIVED;
     }
+    for (int k = 0; k < 3; k++) end->r[k] += shift[k];
     end->drift = rays->drift[i], end->error = rays->error[i];
     end->evaluations = rays->evaluations[i];
     end->steps = rays->steps[i], end->rejected = rays->rejected[i];
@@ -96,7 +114,9 @@ CPM_INLINE void cpm_trace_exact(const cpm_medium_data *m, CPM_GLOBAL const doubl
     arrays->ends[ray] = end;
 }
 
-CPM_INLINE void cpm_load_lane(cpm_lane_rays *rays, int i, const cpm_ray_start *start, const cpm_ray_goal *plane) {
+CPM_INLINE void cpm_load_lane(cpm_lane_rays *rays, int i, cpm_ray_start *start, const cpm_ray_goal *plane,
+                              const double shift[3]) {
+    for (int k = 0; k < 3; k++) start->r[k] -= shift[k];
     for (int k = 0; k < 3; k++) rays->r[k][i] = start->r[k], rays->p[k][i] = start->d[k];
     rays->scale[i] = start->scale;
     rays->length[i] = rays->optical_path[i] = rays->h[i] = 0.0;
@@ -104,13 +124,19 @@ CPM_INLINE void cpm_load_lane(cpm_lane_rays *rays, int i, const cpm_ray_start *s
 }
 
 /* Rays first..last - 1. */
-CPM_INLINE void cpm_trace_range(const cpm_step_control *c, const cpm_medium_data *m, CPM_GLOBAL const double *table,
-                                const cpm_ray_goal *plane, const cpm_trace_arrays *arrays, cpm_i64 first,
-                                cpm_i64 last) {
+CPM_INLINE void cpm_trace_range(const cpm_step_control *c, const cpm_medium_data *medium,
+                                CPM_GLOBAL const double *table, const cpm_ray_goal *goal,
+                                const cpm_trace_arrays *arrays, cpm_i64 first, cpm_i64 last) {
     if (c->method == CPM_STEP_EXACT) {
-        for (cpm_i64 ray = first; ray < last; ray++) cpm_trace_exact(m, table, plane, arrays, ray);
+        for (cpm_i64 ray = first; ray < last; ray++) cpm_trace_exact(medium, table, goal, arrays, ray);
         return;
     }
+    cpm_medium_data moved = *medium;
+    cpm_ray_goal local_goal = *goal;
+    double shift[3];
+    cpm_local_frame(&moved, &local_goal, shift);
+    const cpm_medium_data *m = &moved;
+    const cpm_ray_goal *plane = &local_goal;
     cpm_lane_rays rays;
     cpm_i64 owner[CPM_LANES], fresh[CPM_LANES];
     double length[CPM_LANES], longest[CPM_LANES];
@@ -124,7 +150,7 @@ CPM_INLINE void cpm_trace_range(const cpm_step_control *c, const cpm_medium_data
                 fresh[i] = owner[i] < 0 && first < last;
                 if (!fresh[i]) continue;
                 cpm_ray_start start = arrays->starts[first];
-                cpm_load_lane(&rays, i, &start, plane);
+                cpm_load_lane(&rays, i, &start, plane, shift);
                 length[i] = start.length, longest[i] = start.max_step;
                 samples[i].count = arrays->samples, samples[i].next = 0;
                 samples[i].position = arrays->positions;
@@ -154,10 +180,10 @@ CPM_INLINE void cpm_trace_range(const cpm_step_control *c, const cpm_medium_data
             int over = theta != CPM_NO_ROOT || rays.status[i] >= 0;
             if (rays.accepted[i] && arrays->samples)
                 cpm_sample_piece(&samples[i], &piece,
-                                 theta != CPM_NO_ROOT ? cpm_piece_length(&piece, theta) : piece.length1, over);
+                                 theta != CPM_NO_ROOT ? cpm_piece_length(&piece, theta) : piece.length1, over, shift);
             if (!over) continue;
             cpm_ray_end end;
-            cpm_end_of_lane(&rays, i, &piece, theta, length[i], &end);
+            cpm_end_of_lane(&rays, i, &piece, theta, length[i], shift, &end);
             for (; samples[i].next < samples[i].count; samples[i].next++)
                 for (int k = 0; k < 3; k++) samples[i].position[3 * samples[i].next + k] = end.r[k];
             arrays->ends[owner[i]] = end;

@@ -20,6 +20,9 @@
 #define CPM_MEDIUM_LINEAR 2
 #define CPM_MEDIUM_LAYERED 3
 #define CPM_MEDIUM_GRID 4
+#define CPM_MEDIUM_EXPRESSION 10
+#define CPM_MEDIUM_SUM 11
+#define CPM_MEDIUM_SHELLS 12 /* layered, spherical */
 
 #define CPM_RECORD 8 /* doubles a layer: a cache line */
 
@@ -43,9 +46,10 @@ typedef struct cpm_medium_data {
     double low, high;      /* layered: first and last height */
     double bucket;         /* layered: buckets a metre */
     cpm_i64 heights, guide, records; /* offsets of the tables */
+    double radius; /* shells: of the sphere where height is 0, metres */
 } cpm_medium_data;
 
-CPM_STATIC_ASSERT(sizeof(cpm_medium_data) == 152, cpm_medium_data_size);
+CPM_STATIC_ASSERT(sizeof(cpm_medium_data) == 160, cpm_medium_data_size);
 CPM_ASSERT_OFFSET(cpm_medium_data, origin, 24);
 CPM_ASSERT_OFFSET(cpm_medium_data, value, 72);
 CPM_ASSERT_OFFSET(cpm_medium_data, heights, 128);

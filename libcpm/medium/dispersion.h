@@ -13,7 +13,8 @@ cpm_status cpm_dispersion_check(cpm_context *context, const cpm_dispersion *disp
 /* Defined by n^2: the dispersion scales n^2 - 1. */
 static inline int cpm_medium_by_square(const cpm_medium_data *data) {
     return data->kind == CPM_MEDIUM_LINEAR_SQUARED ||
-           (data->kind == CPM_MEDIUM_LAYERED && data->interpolation == CPM_FIELD_LINEAR_SQUARED);
+           ((data->kind == CPM_MEDIUM_LAYERED || data->kind == CPM_MEDIUM_SHELLS) &&
+            data->interpolation == CPM_FIELD_LINEAR_SQUARED);
 }
 
 /* create.c. A medium of one reference with this dispersion and a zeroed table of table_count doubles (64-byte aligned).

@@ -10,15 +10,19 @@
 
 int cpm_medium_is_uniform(const cpm_medium *medium) { return medium->data.uniform; }
 
+static int is_layered(const cpm_medium_data *d) {
+    return d->kind == CPM_MEDIUM_LAYERED || d->kind == CPM_MEDIUM_SHELLS;
+}
+
 int cpm_medium_has_exact(const cpm_medium *medium) {
     const cpm_medium_data *d = &medium->data;
     return d->uniform || d->kind == CPM_MEDIUM_LINEAR_SQUARED || d->kind == CPM_MEDIUM_LINEAR ||
-           (d->kind == CPM_MEDIUM_LAYERED && d->interpolation != CPM_FIELD_CUBIC);
+           (is_layered(d) && d->interpolation != CPM_FIELD_CUBIC);
 }
 
 int cpm_medium_needs_exact(const cpm_medium *medium) {
     const cpm_medium_data *d = &medium->data;
-    return !d->uniform && d->kind == CPM_MEDIUM_LAYERED && d->interpolation == CPM_FIELD_STEP;
+    return !d->uniform && is_layered(d) && d->interpolation == CPM_FIELD_STEP;
 }
 
 void cpm_medium_field(const cpm_medium *medium, double scale, const double r[3], double *n, double g[3]) {

@@ -33,6 +33,13 @@ static cpm_status check(cpm_context *context, const cpm_layered_desc *d) {
         if (!isfinite(d->n[i]) || !(d->n[i] > 0.0))
             return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "n[%zu] is %g; must be finite and > 0", i, d->n[i]);
     }
+    if (!(d->radius >= 0.0) || !isfinite(d->radius))
+        return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT,
+                        "radius is %g; must be finite and > 0 metres, or 0 for flat layers", d->radius);
+    if (d->radius > 0.0 && !(d->heights[0] > -d->radius))
+        return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT,
+                        "heights[0] is %.17g; must be above -radius, %.17g, the centre of the sphere", d->heights[0],
+                        -d->radius);
     if (d->kink_count && (!cubic || !d->kinks))
         return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "kink_count is %zu; %s", d->kink_count,
                         cubic ? "kinks is NULL" : "only CUBIC takes kinks");
@@ -82,6 +89,8 @@ static void fill_records(const cpm_layered_desc *d, double *records, const doubl
         if (i + 1 == count || d->interpolation == CPM_INTERPOLATION_STEP) continue;
         double width = d->heights[i + 1] - d->heights[i];
         c[1] = (value[i + 1] - value[i]) / width;
+        if (d->interpolation == CPM_INTERPOLATION_LINEAR_SQUARED && d->radius > 0.0) /* a metre^2 of rho^2 */
+            c[1] /= 2.0 * d->radius + d->heights[i] + d->heights[i + 1];
         if (!second) continue;
         c[1] -= width * (2.0 * second[i] + second[i + 1]) / 6.0;
         c[2] = 0.5 * second[i];
@@ -108,8 +117,9 @@ static int32_t fill_guide(const cpm_medium_data *data, const double *heights, do
 }
 
 /* data->feature: metres over which the field changes, the largest slope over the largest change of slope a metre, at
- * least half of the thinnest layer. data->kink, jump: the largest jump of slope, times a layer and itself, at the
- * table's ends and, n^2 linear, at every height. */
+ * least half of the thinnest layer; on spheres no more than their radius, over which `up` turns. data->kink, jump: the
+ * largest jump of slope, times a layer and itself, at the table's ends and, n^2 linear, at every height; where it is
+ * linear in rho^2 the slope by height differs at a layer's ends, by rho/(mean rho). */
 static void measure(cpm_medium_data *data, const cpm_layered_desc *d, const double *value) {
     double steepest = 0.0, bend = 0.0, thinnest = INFINITY, kink = 0.0, jump = 0.0, before = 0.0;
     const double *h = d->heights;
@@ -122,12 +132,18 @@ static void measure(cpm_medium_data *data, const cpm_layered_desc *d, const doub
         if (k < d->kink_count && d->kinks[k] == i) k++; /* a jump is no bend */
         else if (i) bend = fmax(bend, fabs(slope - before) / reach);
         const int inner = i == 0 || data->interpolation == CPM_FIELD_LINEAR_SQUARED;
-        double change = fmax(inner ? fabs(slope - before) : 0.0, i + 2 == count ? fabs(slope) : 0.0);
+        double foot = slope, top = slope;
+        if (data->radius > 0.0 && data->interpolation == CPM_FIELD_LINEAR_SQUARED) {
+            double mean = data->radius + 0.5 * (h[i] + h[i + 1]);
+            foot *= (data->radius + h[i]) / mean, top *= (data->radius + h[i + 1]) / mean;
+        }
+        double change = fmax(inner ? fabs(foot - before) : 0.0, i + 2 == count ? fabs(top) : 0.0);
         kink = fmax(kink, change * reach);
         jump = fmax(jump, change);
-        before = slope;
+        before = top;
     }
     data->feature = fmax(bend > 0.0 ? steepest / bend : INFINITY, 0.5 * thinnest);
+    if (data->radius > 0.0) data->feature = fmin(data->feature, data->radius + data->low);
     data->kink = data->interpolation == CPM_FIELD_STEP ? 0.0 : kink;
     data->jump = jump;
 }
@@ -144,7 +160,9 @@ cpm_status cpm_medium_create_layered(cpm_context *context, const cpm_layered_des
     if (status != CPM_OK) return status;
 
     size_t count = d.count, buckets = count < 2 ? 1 : 2 * count;
-    cpm_medium_data data = {.kind = CPM_MEDIUM_LAYERED, .interpolation = d.interpolation};
+    cpm_medium_data data = {.kind = d.radius > 0.0 ? CPM_MEDIUM_SHELLS : CPM_MEDIUM_LAYERED,
+                            .interpolation = d.interpolation,
+                            .radius = d.radius};
     data.low = d.heights[0], data.high = d.heights[count - 1];
     data.size[0] = (int32_t)count, data.size[1] = (int32_t)buckets;
     data.bucket = count > 1 ? (double)buckets / (data.high - data.low) : 1.0;

@@ -95,7 +95,8 @@ def test_layered_kinks():
 
     heights = np.array([0.0, 1.0, 1.5, 2.5, 3.0, 4.0, 5.0])
     n = np.array([1.30, 1.25, 1.23, 1.21, 1.15, 1.11, 1.10])
-    handle = cpm._core.layered(heights, n, (0.0, 1.0, 0.0), (0.0, 0.0, 0.0), cpm._core.INTERPOLATION["cubic"], None, kinks=[3, 5])
+    handle = cpm._core.layered(heights, n, (0.0, 1.0, 0.0), (0.0, 0.0, 0.0), 0.0, cpm._core.INTERPOLATION["cubic"], None,
+                               kinks=[3, 5])
     at = np.linspace(0.01, 4.99, 200)
     found, gradient = handle.evaluate(np.column_stack([0 * at, at, 0 * at]), D_LINE)
     for low, high in ((0, 3), (3, 5), (5, 6)):

@@ -31,7 +31,8 @@ class Dispersion(ct.Structure):
 
 class LayeredDesc(ct.Structure):
     _fields_ = [("struct_size", ct.c_size_t), ("heights", F64P), ("n", F64P), ("count", ct.c_size_t),
-                ("up", ct.c_double * 3), ("origin", ct.c_double * 3), ("interpolation", ct.c_int32), ("reserved", ct.c_int32)]
+                ("up", ct.c_double * 3), ("origin", ct.c_double * 3), ("interpolation", ct.c_int32), ("reserved", ct.c_int32),
+                ("radius", ct.c_double)]
 
 
 class GridDesc(ct.Structure):
@@ -43,7 +44,8 @@ class MediumData(ct.Structure):
     _fields_ = [("kind", ct.c_int32), ("interpolation", ct.c_int32), ("size", ct.c_int32 * 3), ("uniform", ct.c_int32),
                 ("origin", ct.c_double * 3), ("axis", ct.c_double * 3), ("value", ct.c_double), ("feature", ct.c_double),
                 ("kink", ct.c_double), ("jump", ct.c_double), ("low", ct.c_double), ("high", ct.c_double), ("bucket", ct.c_double),
-                ("heights", ct.c_int64), ("guide", ct.c_int64), ("records", ct.c_int64)]
+                ("heights", ct.c_int64), ("guide", ct.c_int64), ("records", ct.c_int64),
+                ("radius", ct.c_double)]
 
 
 class MediumInside(ct.Structure):
@@ -113,9 +115,9 @@ class Library:
     def linear(self, n, gradient, origin=(0, 0, 0), dispersion=None):
         return self._made("cpm_medium_create_linear", ct.c_double(n), self.vector(gradient), self.vector(origin), dispersion)
 
-    def layered(self, heights, n, interpolation, up=(0, 1, 0), origin=(0, 0, 0), dispersion=None):
+    def layered(self, heights, n, interpolation, up=(0, 1, 0), origin=(0, 0, 0), dispersion=None, radius=0.0):
         h, v = np.ascontiguousarray(heights, float), np.ascontiguousarray(n, float)
-        desc = LayeredDesc(ct.sizeof(LayeredDesc), pointer(h), pointer(v), len(h), tuple(up), tuple(origin), interpolation, 0)
+        desc = LayeredDesc(ct.sizeof(LayeredDesc), pointer(h), pointer(v), len(h), tuple(up), tuple(origin), interpolation, 0, radius)
         return self._made("cpm_medium_create_layered", ct.byref(desc), dispersion)
 
     def grid(self, values, origin, spacing, interpolation, dispersion=None):

@@ -60,7 +60,7 @@ def test_header_compiles_alone(context, name, width, single):
 
 @pytest.mark.parametrize("name", KERNELS)
 @pytest.mark.parametrize("values", [{}, {"CPM_WIDTH": 4}, {"CPM_WIDTH": 8, "CPM_SINGLE": 1}] +
-                         [{"CPM_WIDTH": 8, "CPM_MEDIA": 1 << kind} for kind in range(5)], ids=str)
+                         [{"CPM_WIDTH": 8, "CPM_MEDIA": 1 << kind} for kind in (*range(5), *range(10, 13))], ids=str)
 def test_kernel_compiles(context, name, values):
     """Each kernel file, for every medium compiled in alone and for all together."""
     build(context, (ROOT / "cl" / name).read_text(), **values)
@@ -86,12 +86,15 @@ MEDIA = {
     "layered-cubic": lambda L: L.layered(*heights_and_n(), 1, up=(0.1, 1, 0.2)),
     "layered-linear-squared": lambda L: L.layered(*heights_and_n(), 2, up=(0.1, 1, 0.2)),
     "layered-step": lambda L: L.layered(*heights_and_n(), 3, up=(0.1, 1, 0.2)),
+    "shells-cubic": lambda L: L.layered(*heights_and_n(), 1, up=(0.1, 1, 0.2), origin=(0.3, 0, 0.1), radius=3.5),
+    "shells-linear-squared": lambda L: L.layered(*heights_and_n(), 2, up=(0.1, 1, 0.2), radius=3.5),
+    "shells-step": lambda L: L.layered(*heights_and_n(), 3, up=(0.1, 1, 0.2), radius=3.5),
     "grid-linear": lambda L: L.grid(samples(), (-1, -1, -1), SPACING, 0),
     "grid-cubic": lambda L: L.grid(samples(), (-1, -1, -1), SPACING, 1),
 }
 METHODS = {"exact": {}, "euler": {"rtol": 1e-2}, "rk4": {"step": 0.1, "rtol": 1e-6}, "dopri5": {"rtol": 1e-7}, "fixed": {"step": 0.2, "rtol": 1e-6}}
-EXACT = {"homogeneous", "linear-squared", "linear", "layered-linear-squared", "layered-step"}
-ONLY_EXACT = {"homogeneous", "layered-step"}
+EXACT = {"homogeneous", "linear-squared", "linear", "layered-linear-squared", "layered-step", "shells-linear-squared", "shells-step"}
+ONLY_EXACT = {"homogeneous", "layered-step", "shells-step"}
 CASES = [(m, k) for m in MEDIA for k in METHODS if (k == "exact" and m in EXACT) or (k != "exact" and m not in ONLY_EXACT)]
 # Rays that miss the plane run to the bound on evaluations: two integrated media are enough.
 TO_A_PLANE = [(m, "exact") for m in sorted(EXACT)] + [("linear", "dopri5"), ("layered-cubic", "dopri5")]
@@ -181,7 +184,7 @@ def test_same_bits_to_a_plane(context, programs, library, medium, method):
 
 
 @pytest.mark.parametrize("isa", ["baseline", "v3", "v4"])
-@pytest.mark.parametrize("medium", ["linear", "layered-cubic", "grid-linear", "grid-cubic"])
+@pytest.mark.parametrize("medium", ["linear", "layered-cubic", "grid-linear", "grid-cubic", "shells-cubic"])
 def test_instruction_sets_agree(library, medium, isa, tmp_path):
     """CPM_ISA=... in a process of its own, one thread: the bits of this process."""
     import subprocess
@@ -201,7 +204,7 @@ def test_instruction_sets_agree(library, medium, isa, tmp_path):
         np.testing.assert_array_equal(np.load(f"{out}{single}.npy"), np.hstack([r.position, r.momentum, r.evaluations[:, None]]))
 
 
-@pytest.mark.parametrize("medium", [m for m in MEDIA if m != "layered-step"])  # discrete layers have no field
+@pytest.mark.parametrize("medium", [m for m in MEDIA if not m.endswith("-step")])  # discrete layers have no field
 @pytest.mark.parametrize("width", [1, 8])
 def test_field_same_bits(context, programs, library, medium, width):
     """n at random points, inside and outside tables: kernel and cpm_medium_evaluate."""

@@ -7,11 +7,13 @@
 
 #define MAX_PIECES 100000 /* then evaluations_exhausted */
 
-/* Closed forms in sigma: discrete layers are straight, linear n^2 is a parabola; a catenary is stood for by quintics.
+/* Closed forms in sigma: discrete layers are straight, linear n^2 is a parabola; a catenary, and the
+ * circular and hyperbolic paths of spherical layers, are stood for by quintics.
  */
 static int degree_of(const cpm_medium_data *medium) {
-    if (medium->kind == CPM_MEDIUM_LAYERED && medium->interpolation == CPM_FIELD_STEP) return 1;
-    return medium->kind == CPM_MEDIUM_LINEAR ? 5 : 2;
+    const int layered = medium->kind == CPM_MEDIUM_LAYERED || medium->kind == CPM_MEDIUM_SHELLS;
+    if (layered && medium->interpolation == CPM_FIELD_STEP) return 1;
+    return medium->kind == CPM_MEDIUM_LINEAR || medium->kind == CPM_MEDIUM_SHELLS ? 5 : 2;
 }
 
 /* The parabola of a linear n^2 without its arc length, which photons and eye rays do not ask for. */

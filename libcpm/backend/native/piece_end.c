@@ -114,7 +114,8 @@ static int never_returns(const cpm_pass *pass, const cpm_flight *flight, int32_t
     const double r[3] = {flight->position.x, flight->position.y, flight->position.z};
     const double d[3] = {flight->direction.x, flight->direction.y, flight->direction.z};
     const cpm_box *box = &pass->box;
-    if (data->kind == CPM_MEDIUM_GRID) return 0;
+    const int linear = data->kind == CPM_MEDIUM_LINEAR || data->kind == CPM_MEDIUM_LINEAR_SQUARED;
+    if (!linear && data->kind != CPM_MEDIUM_LAYERED) return 0;
     for (int k = 0; k < 3; k++) {
         double a = data->axis[k]; /* the scale is positive: it changes no sign */
         if (data->kind == CPM_MEDIUM_LAYERED && a != 0.0) continue;

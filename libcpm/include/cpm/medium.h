@@ -40,7 +40,7 @@ typedef struct cpm_dispersion {
 typedef enum cpm_interpolation {
     CPM_INTERPOLATION_LINEAR = 0,         /* grid: trilinear n */
     CPM_INTERPOLATION_CUBIC = 1,          /* grid: C2 interpolating B-spline; layered: C2 natural spline of n */
-    CPM_INTERPOLATION_LINEAR_SQUARED = 2, /* layered: n^2 linear in height between samples, constant outside */
+    CPM_INTERPOLATION_LINEAR_SQUARED = 2, /* layered: n^2 linear in height (spherical: in rho^2) between, constant outside */
     CPM_INTERPOLATION_STEP = 3            /* layered: n constant from a height to the next, Snell between */
 } cpm_interpolation;
 
@@ -68,6 +68,9 @@ typedef struct cpm_layered_desc {
     double origin[3];
     int32_t interpolation; /* CUBIC, LINEAR_SQUARED or STEP */
     int32_t reserved;
+    double radius; /* metres; 0: flat. Else heights are above a sphere of this radius whose centre is `radius` below
+                      origin (against `up`), all above -radius; LINEAR_SQUARED is linear in the square of the distance
+                      from that centre */
     const size_t *kinks; /* CUBIC: kink_count ascending indices of heights where the slope of n may jump (a tropopause):
                             natural splines that meet there. NULL: one spline */
     size_t kink_count;

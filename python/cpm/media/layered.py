@@ -5,7 +5,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .. import _core
-from .._arrays import VectorLike, as_array, as_vector, one_of
+from .._arrays import VectorLike, as_array, as_number, as_vector, one_of
 from ..bounds import Bounds
 from ..dispersion import Dispersion
 from ._base import Medium
@@ -14,23 +14,26 @@ _ALLOWED = ("cubic", "linear-squared", "step")
 
 
 class Layered(Medium):
-    """Planar layers; outside the table its end values hold.
+    """Flat or spherical layers; outside the table its end values hold.
 
     Parameters
     ----------
     heights : array_like, shape (K,)
-        Metres along ``up`` from ``origin``, strictly increasing; K ≥ 2 (≥ 1 for "step").
+        Metres along ``up`` from ``origin``, strictly increasing; K ≥ 2 (≥ 1 for "step"). With ``radius``, above the
+        sphere; all > −``radius``.
     n : array_like, shape (K,)
         Index at each height, > 0.
     up : array_like, shape (3,)
         Need not be unit.
     origin : array_like, shape (3,)
         Where height is 0, metres.
-    radius : None
-        Planar layers. Spherical ones are not in this version.
+    radius : float, optional
+        Spherical layers: heights are above a sphere of this radius, metres, whose centre is at
+        ``origin`` − ``radius``·``up``, so that ``origin`` is on the ground. Default: flat.
     interpolation : {"cubic", "linear-squared", "step"}
-        C² natural spline of n; n² linear between samples (a parabola per layer, exact); n constant from a height to
-        the next with Snell's law between (the discrete layers of Berger and Trout).
+        C² natural spline of n; n² linear between samples, in height (a parabola per layer, exact) or, spherical, in the
+        squared distance from the centre (circular or hyperbolic functions, exact); n constant from a height to the next
+        with Snell's law between (the discrete layers of Berger and Trout).
     dispersion : Dispersion or str, optional
     bounds : Box, Sphere or Shape, optional
     """
@@ -39,8 +42,9 @@ class Layered(Medium):
                  origin: VectorLike = (0.0, 0.0, 0.0), radius: float | None = None,
                  interpolation: str = "cubic", dispersion: Dispersion | str | None = None, bounds: Bounds | None = None) -> None:
         super().__init__(dispersion, bounds)
-        if radius is not None:
-            raise _core.Error(f"radius is {radius!r}: spherical layers are not in this version; None (planar) is allowed")
+        self.radius = None if radius is None else as_number(radius, "radius")
+        if self.radius is not None and self.radius <= 0:
+            raise ValueError(f"radius is {self.radius:g}; it must be > 0 metres, or None for flat layers")
         self.interpolation = one_of(interpolation, "interpolation", _ALLOWED)
         self.heights, self.n = as_array(heights, "heights"), as_array(n, "n")
         if self.heights.ndim != 1 or self.heights.shape != self.n.shape:
@@ -49,5 +53,5 @@ class Layered(Medium):
         self.up, self.origin = as_vector(up, "up"), as_vector(origin, "origin")
         if not np.any(self.up):
             raise ValueError("up is (0, 0, 0); a direction is needed")
-        self._handle = _core.layered(self.heights, self.n, self.up, self.origin,
+        self._handle = _core.layered(self.heights, self.n, self.up, self.origin, self.radius or 0.0,
                                      _core.INTERPOLATION[self.interpolation], self._dispersion_core())

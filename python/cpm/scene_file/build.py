@@ -161,8 +161,8 @@ class _Builder:
                 case models.LinearTable():
                     return media.Linear(table.n, table.gradient, table.origin, **common)
                 case models.LayeredTable():
-                    return media.Layered(table.heights, table.n, table.up, table.origin,
-                                         interpolation=table.interpolation, **common)
+                    return media.Layered(table.heights, table.n, table.up, table.origin, table.radius,
+                                         table.interpolation, **common)
                 case _:
                     return self.grid(table, key, common)
 

@@ -176,6 +176,7 @@ class LayeredTable(MediumTable):
     n: list[Number]
     up: Vector = (0.0, 1.0, 0.0)
     origin: Vector = (0.0, 0.0, 0.0)
+    radius: Positive | None = None
     interpolation: Literal["cubic", "linear-squared", "step"] = "cubic"
 
 
