@@ -6,15 +6,17 @@
 ``Linear``          n linear in position                          exact: catenaries
 ``Layered``         table of height                               exact where ``"linear-squared"``
 ``Grid``            samples on a grid                             integrated
+``Atmosphere``      air of a profile of :mod:`cpm.atmosphere`     integrated
 ==================  ============================================  ==============================
 
 One module a medium: parabolic, Luneburg, fish-eye, Eaton, sources, expressions and atmospheres take their places
 beside these.
 """
 from ._base import Medium, as_medium
+from .atmosphere import Atmosphere
 from .grid import Grid
 from .homogeneous import Homogeneous
 from .layered import Layered
 from .linear import Linear, LinearSquared
 
-__all__ = ["Grid", "Homogeneous", "Layered", "Linear", "LinearSquared", "Medium", "as_medium"]
+__all__ = ["Atmosphere", "Grid", "Homogeneous", "Layered", "Linear", "LinearSquared", "Medium", "as_medium"]

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from .. import _core, dispersion, lights, materials, media, spectra
+from .. import _core, atmosphere, dispersion, lights, materials, media, spectra
 from ..bounds import Bounds, Box, Sphere
 from ..camera import Camera
 from ..scene import Scene
@@ -142,6 +142,10 @@ class _Builder:
             return dispersion.Cauchy(*value.cauchy, **options)
         if value.sellmeier is not None:
             return dispersion.Sellmeier(value.sellmeier.B, value.sellmeier.C, **options)
+        if value.air is not None:
+            if value.range is not None:
+                raise self.refuse(f"{key}.range", value.range, "air has its own range")
+            return dispersion.Air(**value.air.model_dump(), **options)
         assert value.tabulated is not None
         return dispersion.Tabulated(value.tabulated.wavelengths, value.tabulated.n, **options)
 
@@ -151,7 +155,7 @@ class _Builder:
             raise SceneFileError(self.path, f"{key}.bounds", "bounds are for [[media]]; this one fills its place")
         common: dict[str, Any] = {"bounds": bounds}
         with self.at(key):
-            if table.dispersion is not None:
+            if getattr(table, "dispersion", None) is not None:
                 common["dispersion"] = self.index(table.dispersion, f"{key}.dispersion")
             match table:
                 case models.HomogeneousTable():
@@ -163,8 +167,28 @@ class _Builder:
                 case models.LayeredTable():
                     return media.Layered(table.heights, table.n, table.up, table.origin, table.radius,
                                          table.interpolation, **common)
+                case models.AtmosphereTable():
+                    return media.Atmosphere(self.profile(table.profile, f"{key}.profile"), table.radius, table.up,
+                                            table.refractivity, table.origin, **common)
                 case _:
                     return self.grid(table, key, common)
+
+    def profile(self, table: Any, key: str) -> atmosphere.Profile:
+        with self.at(key):
+            match table:
+                case models.StandardTable():
+                    return atmosphere.USStandard1976()
+                case models.PolytropicTable():
+                    return atmosphere.Polytropic(**table.model_dump(exclude={"type"}))
+                case models.LevelsTable(file=str()):
+                    return atmosphere.read_sounding(self.file(table.file, f"{key}.file"), table.interpolation)
+                case models.LevelsTable():
+                    return atmosphere.Table(**table.model_dump(exclude={"type", "file"}))
+                case models.HotSurfaceTable():
+                    return atmosphere.HotSurface(self.profile(table.base, f"{key}.base"), table.excess, table.thickness)
+                case _:
+                    return atmosphere.Inversion(self.profile(table.base, f"{key}.base"), table.height, table.strength,
+                                                table.thickness)
 
     def grid(self, table: models.GridTable, key: str, common: dict[str, Any]) -> media.Grid:
         path = self.file(table.values, f"{key}.values")
