@@ -223,3 +223,34 @@ def test_bad_scene_files(tmp_path, profile, more, message):
     with pytest.raises(cpm.SceneFileError, match=message) as error:
         load(tmp_path, profile, more)
     assert "\n" not in str(error.value)
+
+
+GROUND = """
+[[shapes]]
+type = "ground"
+name = "earth"
+material = { type = "diffuse", reflectance = 0.2 }
+"""
+
+
+def test_ground(tmp_path):
+    """The sphere under the air: rays a little below the horizon meet it where curvature and refraction say."""
+    scene = load(tmp_path, '{ type = "us-standard-1976" }', "up = [0, 1, 0]" + GROUND)
+    assert [shape.name for shape in scene.shapes][0] == "earth"
+    angle = np.radians([-90.0, -1.0, -0.1, -0.06])
+    rays = cpm.trace(scene, np.tile((0.0, 2.0, 0.0), (4, 1)), np.column_stack([np.cos(angle), np.sin(angle), 0 * angle]), wavelength=550.0)
+    assert (rays.status == cpm.RayStatus.HIT).all()
+    x, y = rays.position[:, 0], rays.position[:, 1]
+    np.testing.assert_allclose((2 * R * y + y * y + x * x) / (R + np.hypot(x, R + y)), 0, rtol=0, atol=1e-8)
+    # A ray of curvature −n'/n over the sphere falls as over a flat Earth of curvature 1/R + n'/n.
+    slope = (USStandard1976().refractivity(3.0, 550.0) - USStandard1976().refractivity(0.0, 550.0)) / 3.0
+    drop, curve = np.tan(-angle[1:]), 1 / R + slope
+    np.testing.assert_allclose(x[1:], (drop - np.sqrt(drop**2 - 4 * curve)) / curve, rtol=1e-4)
+
+
+@pytest.mark.parametrize("medium", ["", "[medium]\ntype = \"homogeneous\"\n",
+                                    "[medium]\ntype = \"atmosphere\"\nradius = inf\nprofile = { type = \"us-standard-1976\" }\n"])
+def test_ground_needs_an_earth(tmp_path, medium):
+    (tmp_path / "scene.toml").write_text(medium + GROUND)
+    with pytest.raises(cpm.SceneFileError, match=r"shapes\[0\].type: .*needs \[medium\] to be an atmosphere"):
+        cpm.load_scene(tmp_path / "scene.toml")

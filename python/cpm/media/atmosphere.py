@@ -4,7 +4,7 @@ from __future__ import annotations
 import numpy as np
 
 from .. import _core, air
-from .._arrays import FloatArray, VectorLike, as_number, as_vector, one_of
+from .._arrays import FloatArray, Vector, VectorLike, as_number, as_vector, one_of
 from ..atmosphere._knots import breaks, sample
 from ..atmosphere._profile import Profile
 from ..bounds import Bounds, Box
@@ -69,9 +69,16 @@ class Atmosphere(Medium):
         """A box around all of the air of a spherical Earth; None over a flat one."""
         if self.radius is None:
             return None
+        center, reach = self.center, self.radius + self.profile.top
+        return Box(np.subtract(center, reach), np.add(center, reach))
+
+    @property
+    def center(self) -> Vector | None:
+        """Centre of the Earth, metres; None where it is flat."""
+        if self.radius is None:
+            return None
         axis = np.array(self.up) / np.linalg.norm(self.up)
-        center, reach = np.array(self.origin) - self.radius * axis, self.radius + self.profile.top
-        return Box(center - reach, center + reach)
+        return as_vector(self.origin - self.radius * axis, "center")
 
     def __repr__(self) -> str:
         return f"Atmosphere({self.profile!r}, radius={self.radius!r}, refractivity={self.refractivity!r})"

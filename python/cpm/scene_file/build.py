@@ -251,12 +251,20 @@ class _Builder:
         with self.at(key):
             if isinstance(table, models.SphereTable):
                 shape = scene.add_sphere(table.center, table.radius, material, name=name)
+            elif isinstance(table, models.GroundTable):
+                shape = scene.add_sphere(*self.ground(scene.medium, f"{key}.type"), material, name=name)
             elif isinstance(table, models.QuadsTable):
                 shape = scene.add_mesh(*quads(table), material, name=name)
             else:
                 shape = self.add_mesh(scene, table, key, material, name)
         if table.name is not None:
             self.shapes[table.name] = shape
+
+    def ground(self, medium: media.Medium, key: str) -> tuple[Any, float]:
+        """Centre and radius of the sphere at the atmosphere's lowest height."""
+        if not isinstance(medium, media.Atmosphere) or medium.radius is None:
+            raise self.refuse(key, "ground", "needs [medium] to be an atmosphere with a radius")
+        return medium.center, medium.radius + medium.profile.ground
 
     def add_mesh(self, scene: Scene, table: models.MeshTable, key: str, material: Any, name: str) -> Shape:
         try:

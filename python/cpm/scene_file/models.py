@@ -341,7 +341,13 @@ class SphereTable(ShapeTable):
     radius: Positive
 
 
-AnyShape = Annotated[QuadsTable | MeshTable | SphereTable, Field(discriminator="type")]
+class GroundTable(ShapeTable):
+    """The sphere under the atmosphere that fills the scene."""
+
+    type: Literal["ground"]
+
+
+AnyShape = Annotated[QuadsTable | MeshTable | SphereTable | GroundTable, Field(discriminator="type")]
 
 
 # Lights, camera, render.
