@@ -129,8 +129,9 @@ static void measure(cpm_medium_data *data, const cpm_layered_desc *d, const doub
         double reach = i ? 0.5 * (h[i + 1] - h[i - 1]) : width;
         thinnest = fmin(thinnest, width);
         steepest = fmax(steepest, fabs(slope));
-        if (k < d->kink_count && d->kinks[k] == i) k++; /* a jump is no bend */
-        else if (i) bend = fmax(bend, fabs(slope - before) / reach);
+        const int jumps = k < d->kink_count && d->kinks[k] == i; /* which is no bend */
+        k += (size_t)jumps;
+        if (i && !jumps) bend = fmax(bend, fabs(slope - before) / reach);
         const int inner = i == 0 || data->interpolation == CPM_FIELD_LINEAR_SQUARED;
         double foot = slope, top = slope;
         if (data->radius > 0.0 && data->interpolation == CPM_FIELD_LINEAR_SQUARED) {

@@ -4,6 +4,10 @@ Each list is (wavelength nm, n). Tolerances are those of the sources' last digit
 measured different ones.
 """
 
+import subprocess
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -118,3 +122,9 @@ def test_tabulated():
     np.testing.assert_allclose(model.n([400, 450, 600, 700]), [1.5, 1.49, 1.47, 1.46], rtol=1e-15)
     with pytest.raises(ValueError, match="valid in"):
         model.n(399.0)
+
+
+def test_c_has_the_same_catalogue():
+    """The library's table is made from the one that Python reads."""
+    generator = Path(__file__).resolve().parents[2] / "spectral" / "generate_catalogue.py"
+    subprocess.run([sys.executable, generator, "--check"], check=True)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from oracles import atmosphere as oracle
 from scipy.interpolate import CubicSpline
+from scipy.optimize import minimize_scalar
 
 from cpm.atmosphere import HotSurface, Inversion, Polytropic, Profile, USStandard1976, refraction
 
@@ -141,12 +142,17 @@ def test_duct():
     """Under a strong inversion rays within a few minutes of the horizontal stay in; which ones, by n r alone."""
     profile = Inversion(USStandard1976(), 50.0, 8.0, 10.0)
     height = 20.0
-    heights = np.linspace(height, 80.0, 60001)
-    momentum = (1 + profile.refractivity(heights, 550.0)) * (profile.radius + heights)
-    critical = np.degrees(np.arcsin(momentum.min() / momentum[0]))
+
+    def surplus(h):  # n r − n₀ r₀, from small terms
+        n, n0 = profile.refractivity(h, 550.0), profile.refractivity(height, 550.0)
+        return (h - height) + (profile.radius + h) * n - (profile.radius + height) * n0
+
+    lowest = minimize_scalar(surplus, bounds=(50.0, 60.0), method="bounded", options={"xatol": 1e-9}).fun
+    momentum = (1 + profile.refractivity(height, 550.0)) * (profile.radius + height)
+    critical = 90 - np.degrees(2 * np.arcsin(np.sqrt(-lowest / momentum / 2)))
     assert 89.5 < critical < 89.99
-    inside = refraction(profile, critical + np.array([1e-4, 0.01, 0.1]), 550.0, height, unreachable="nan")
-    outside = refraction(profile, critical - np.array([1e-4, 0.01, 0.1]), 550.0, height, unreachable="nan")
+    inside = refraction(profile, critical + np.array([1e-8, 1e-4, 0.01, 0.1]), 550.0, height, unreachable="nan")
+    outside = refraction(profile, critical - np.array([1e-8, 1e-4, 0.01, 0.1]), 550.0, height, unreachable="nan")
     assert np.isnan(inside).all()
     assert np.isfinite(outside).all() and (np.diff(outside) < 0).all() and (outside < 3.0).all()
     with pytest.raises(ValueError, match="trapped in a duct"):

@@ -61,6 +61,35 @@ static void media_dispersion(void **state) {
     cpm_context_release(context);
 }
 
+static void media_catalogue(void **state) {
+    (void)state;
+    cpm_context *context = new_context();
+    cpm_dispersion d = {.struct_size = sizeof d};
+    const char *names[] = {"BK7", "n-bk7", "F2", "SF11", "Fused Silica", "SiO2", "water", "sapphire", "diamond", "AIR"};
+    for (size_t i = 0; i < COUNT_OF(names); i++) {
+        cpm_medium *m = NULL;
+        const double point[3] = {0, 0, 0};
+        double n = 0;
+        assert_ok(context, cpm_dispersion_catalogue(context, names[i], &d));
+        assert_ok(context, cpm_medium_create_dispersive(context, &d, &m));
+        assert_ok(context, cpm_medium_evaluate(context, m, point, 1, 587.5618, &n, NULL));
+        assert_true(n > 1.0002 && n < 2.42);
+        if (i < 2) assert_true(fabs(n - 1.51680) < 6e-6); /* SCHOTT's data sheet */
+        cpm_medium_release(m);
+    }
+    assert_status(context, REFUSED, cpm_dispersion_catalogue(NULL, "BK7", &d));
+    assert_status(context, REFUSED, cpm_dispersion_catalogue(context, NULL, &d));
+    assert_status(context, REFUSED, cpm_dispersion_catalogue(context, "BK7", NULL));
+    const char *unknown[] = {"", "BK", "BK77", "unobtainium", "a name that is longer than any of the catalogue's names"};
+    for (size_t i = 0; i < COUNT_OF(unknown); i++) {
+        assert_status(context, REFUSED, cpm_dispersion_catalogue(context, unknown[i], &d));
+        assert_non_null(strstr(cpm_context_last_error(context), "BK7, F2, SF11, fused silica"));
+    }
+    d.struct_size = 8;
+    assert_status(context, REFUSED, cpm_dispersion_catalogue(context, "BK7", &d));
+    cpm_context_release(context);
+}
+
 static void media_tables(void **state) {
     (void)state;
     cpm_context *context = new_context();
@@ -264,7 +293,7 @@ static void rays(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(media_simple), cmocka_unit_test(media_dispersion),
+        cmocka_unit_test(media_simple), cmocka_unit_test(media_dispersion), cmocka_unit_test(media_catalogue),
         cmocka_unit_test(media_tables), cmocka_unit_test(medium_evaluate),
         cmocka_unit_test(rays),
     };
