@@ -9,6 +9,8 @@
 #include <string.h>
 #include <time.h>
 
+#include "backend/opencl/device.h"
+
 #define MAX_THREADS 1024
 
 cpm_status cpm_context_create(const cpm_context_options *options, cpm_context **context) {
@@ -31,7 +33,9 @@ void cpm_context_retain(cpm_context *context) {
 }
 
 void cpm_context_release(cpm_context *context) {
-    if (context && atomic_fetch_sub(&context->references, 1) == 1) free(context);
+    if (!context || atomic_fetch_sub(&context->references, 1) != 1) return;
+    cpm_opencl_close(context);
+    free(context);
 }
 
 const char *cpm_context_last_error(const cpm_context *context) { return context ? context->message : ""; }

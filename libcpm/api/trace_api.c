@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "backend/native/lanes.h"
+#include "backend/opencl/trace.h"
 #include "context.h"
 #include "medium/medium.h"
 #include "scene/rays.h"
@@ -186,6 +187,10 @@ static cpm_status fill_starts(trace_work *w) {
 
 /* All rays, in chunks; with `positions` the second time, for the samples of the paths. */
 static cpm_status run(const trace_work *w, cpm_ray_end *ends, double *positions, double from, double to) {
+    if (w->context->opencl)
+        return cpm_opencl_trace(w->context, w->medium, &w->control, &w->goal, w->request->single_precision, w->starts,
+                                ends, positions, positions ? (int64_t)w->request->path_samples : 0,
+                                (int64_t)w->request->count, from, to);
     const cpm_lane_code *code = cpm_lane_code_for(w->request->single_precision);
     const int64_t count = (int64_t)w->request->count, threads = w->context->threads;
     int64_t chunk = (count / (8 * threads) + CPM_LANES) / CPM_LANES * CPM_LANES;
