@@ -173,6 +173,7 @@ def trace(medium_or_scene: Medium | Scene | Any, origins: npt.ArrayLike, directi
             single_precision=precision == "single",
             path_samples=_path_samples(path),
             threads=as_integer(threads, "threads", 0, 1024),
+            device=device,
             progress=report,
         )
     arrays["method"] = _names_of(arrays["method"])
