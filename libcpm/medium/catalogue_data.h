@@ -1,6 +1,6 @@
 /* clang-format off */
-/* medium/catalogue_data.h: made by spectral/generate_catalogue.py from spectral/data/dispersion.toml, where the
- * sources are. Names folded: lower case, no blanks, hyphens or underscores; after the first, aliases. */
+/* medium/catalogue_data.h: made by spectral/generate_catalogue.py from spectral/data/dispersion.toml, which
+ * has the sources. Names folded: lower case, no blanks, hyphens or underscores; after the first, aliases. */
 #include "dispersion.h"
 
 static const struct {

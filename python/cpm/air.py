@@ -10,6 +10,7 @@ n − 1 keeps all its digits; 1 + it loses four.
 Wavelengths are vacuum wavelengths in nm, temperatures K, pressures Pa, humidity a fraction (1 is saturated over liquid
 water), CO₂ parts per million of dry air. All arguments broadcast.
 """
+
 from __future__ import annotations
 
 from typing import Any
@@ -19,8 +20,17 @@ import numpy.typing as npt
 
 from ._arrays import FloatArray, as_array, one_of
 
-__all__ = ["MODELS", "ciddor", "edlen", "iag1999", "king_factor", "rayleigh_cross_section", "refractivity",
-           "saturation_pressure", "vapour_pressure"]
+__all__ = [
+    "MODELS",
+    "ciddor",
+    "edlen",
+    "iag1999",
+    "king_factor",
+    "rayleigh_cross_section",
+    "refractivity",
+    "saturation_pressure",
+    "vapour_pressure",
+]
 
 #: Names that ``refractivity=`` takes everywhere.
 MODELS = ("ciddor", "edlen", "iag1999")
@@ -61,8 +71,14 @@ def vapour_pressure(temperature: npt.ArrayLike, pressure: npt.ArrayLike, humidit
     return enhancement * as_array(humidity, "humidity") * saturation_pressure(t)
 
 
-def refractivity(wavelength: npt.ArrayLike, temperature: npt.ArrayLike, pressure: npt.ArrayLike,
-                 vapour: npt.ArrayLike = 0.0, model: str = "ciddor", co2: float = 450.0) -> FloatArray:
+def refractivity(
+    wavelength: npt.ArrayLike,
+    temperature: npt.ArrayLike,
+    pressure: npt.ArrayLike,
+    vapour: npt.ArrayLike = 0.0,
+    model: str = "ciddor",
+    co2: float = 450.0,
+) -> FloatArray:
     """n − 1 of air of given temperature, total pressure and vapour pressure.
 
     Parameters
@@ -94,8 +110,13 @@ def refractivity(wavelength: npt.ArrayLike, temperature: npt.ArrayLike, pressure
     return _iag1999(wavelengths, t, p, e)
 
 
-def ciddor(wavelength: npt.ArrayLike, temperature: npt.ArrayLike = 288.15, pressure: npt.ArrayLike = 101325.0,
-           humidity: npt.ArrayLike = 0.0, co2: float = 450.0) -> FloatArray:
+def ciddor(
+    wavelength: npt.ArrayLike,
+    temperature: npt.ArrayLike = 288.15,
+    pressure: npt.ArrayLike = 101325.0,
+    humidity: npt.ArrayLike = 0.0,
+    co2: float = 450.0,
+) -> FloatArray:
     """n by P. E. Ciddor, Appl. Opt. 35, 1566 (1996): good to a few 1e-8 from 300 to 1690 nm, −40 to 100 °C.
 
     Parameters
@@ -116,14 +137,22 @@ def ciddor(wavelength: npt.ArrayLike, temperature: npt.ArrayLike = 288.15, press
     return 1.0 + _of_humidity(wavelength, temperature, pressure, humidity, "ciddor", co2)
 
 
-def edlen(wavelength: npt.ArrayLike, temperature: npt.ArrayLike = 288.15, pressure: npt.ArrayLike = 101325.0,
-          humidity: npt.ArrayLike = 0.0) -> FloatArray:
-    """n by Edlén's equation as K. P. Birch and M. J. Downs modified it, Metrologia 30, 155 (1993) and 31, 315 (1994)."""
+def edlen(
+    wavelength: npt.ArrayLike,
+    temperature: npt.ArrayLike = 288.15,
+    pressure: npt.ArrayLike = 101325.0,
+    humidity: npt.ArrayLike = 0.0,
+) -> FloatArray:
+    """n by Edlén's equation as K. P. Birch and M. J. Downs modified it, Metrologia 30, 155 (1993), 31, 315 (1994)."""
     return 1.0 + _of_humidity(wavelength, temperature, pressure, humidity, "edlen", 450.0)
 
 
-def iag1999(wavelength: npt.ArrayLike, temperature: npt.ArrayLike = 288.15, pressure: npt.ArrayLike = 101325.0,
-            humidity: npt.ArrayLike = 0.0) -> FloatArray:
+def iag1999(
+    wavelength: npt.ArrayLike,
+    temperature: npt.ArrayLike = 288.15,
+    pressure: npt.ArrayLike = 101325.0,
+    humidity: npt.ArrayLike = 0.0,
+) -> FloatArray:
     """n of Hohenkerk and Sinclair's code with the dispersion of IAG 1999: 287.6155 + 1.62887/λ² + 0.01360/λ⁴."""
     return 1.0 + _of_humidity(wavelength, temperature, pressure, humidity, "iag1999", 450.0)
 
@@ -166,20 +195,25 @@ def rayleigh_cross_section(wavelength: npt.ArrayLike, co2: float = 450.0) -> Flo
     return 24.0 * np.pi**3 / (metres**4 * density**2) * lorenz**2 * king_factor(wavelength, co2)
 
 
-def gas_coefficients(model: str, temperature: float, pressure: float, vapour: float,
-                     co2: float = 450.0) -> tuple[list[float], list[float], list[float]]:
+def gas_coefficients(
+    model: str, temperature: float, pressure: float, vapour: float, co2: float = 450.0
+) -> tuple[list[float], list[float], list[float]]:
     """The refractivity of one state of air as Σ B/(C − σ²) + polynomial in σ²: (B, C, polynomial), σ in 1/µm.
 
     The form of :class:`cpm.dispersion.Gas`.
     """
-    t, p, e = np.float64(temperature), np.float64(pressure), np.float64(vapour)
+    t, p, e = temperature, pressure, vapour
+    state = (np.asarray(t), np.asarray(p), np.asarray(e))
     if model == "ciddor":
-        dry, wet = _ciddor_densities(t, p, e, co2)
+        dry, wet = map(float, _ciddor_densities(*state, co2))
         return list(dry * _co2_factor(co2) * _DRY_STRENGTHS), list(_DRY_POLES), list(wet * _VAPOUR)
     if model == "edlen":
-        density, vapour_term = _edlen_density(t, p), 292.75 / t * 1e-10 * e
-        return ([density * 2406147e-8, density * 15998e-8], [130.0, 38.9],
-                [density * 8342.54e-8 - 3.7345 * vapour_term, 0.0401 * vapour_term])
+        density, vapour_term = float(_edlen_density(*state[:2])), 292.75 / t * 1e-10 * e
+        return (
+            [density * 2406147e-8, density * 15998e-8],
+            [130.0, 38.9],
+            [density * 8342.54e-8 - 3.7345 * vapour_term, 0.0401 * vapour_term],
+        )
     one_of(model, "model", MODELS)
     density = 273.15 / 101325.0 * p / t
     return [], [], [287.6155e-6 * density - 11.2684e-8 * e / t, 1.62887e-6 * density, 0.01360e-6 * density]
@@ -194,9 +228,10 @@ def _of_humidity(wavelength: Any, temperature: Any, pressure: Any, humidity: Any
 def check_state(temperature: FloatArray, pressure: FloatArray, humidity: FloatArray) -> None:
     """Refuses °C, percent, and what is not a number, by the first bad index."""
     for values, name, low, high, unit, hint in (
-            (temperature, "temperature", 100.0, 500.0, " K", "; is it in °C?"),
-            (pressure, "pressure", 0.0, 2e6, " Pa", ""),
-            (humidity, "humidity", 0.0, 1.5, "", "; a fraction, 1 is saturated: is it in percent?")):
+        (temperature, "temperature", 100.0, 500.0, " K", "; is it in °C?"),
+        (pressure, "pressure", 0.0, 2e6, " Pa", ""),
+        (humidity, "humidity", 0.0, 1.5, "", "; a fraction, 1 is saturated: is it in percent?"),
+    ):
         flat = np.atleast_1d(values).ravel()
         bad = np.flatnonzero(~((flat >= low) & (flat <= high)))
         if bad.size:
@@ -210,7 +245,9 @@ def _check_wavelengths(wavelengths: FloatArray, model: str) -> None:
     bad = np.flatnonzero(~((flat >= low) & (flat <= high)))
     if bad.size:
         where = f"[{bad[0]}]" if np.ndim(wavelengths) else ""
-        raise ValueError(f"wavelength{where} is {flat[bad[0]]:g} nm; {low:g} to {high:g} nm are allowed for air by {model}")
+        raise ValueError(
+            f"wavelength{where} is {flat[bad[0]]:g} nm; {low:g} to {high:g} nm are allowed for air by {model}"
+        )
 
 
 def _wavenumber_squared(wavelengths: FloatArray) -> FloatArray:
@@ -233,7 +270,9 @@ def _co2_factor(co2: float) -> float:
 def _ciddor_densities(t: FloatArray, p: FloatArray, e: FloatArray, co2: float) -> tuple[FloatArray, FloatArray]:
     """(ρ_a/ρ_axs, ρ_w/ρ_ws): density over that at which each component's dispersion was measured."""
     molar = 1e-3 * (28.9635 + 12.011e-6 * (co2 - 400.0))
-    x = np.divide(e, p, out=np.zeros(np.broadcast(e, p, t).shape), where=np.broadcast_to(p > 0, np.broadcast(e, p, t).shape))
+    x = np.divide(
+        e, p, out=np.zeros(np.broadcast(e, p, t).shape), where=np.broadcast_to(p > 0, np.broadcast(e, p, t).shape)
+    )
     moles = p / (_compressibility(t, p, x) * _GAS_CONSTANT * t)
     standard_dry = 101325.0 * molar / (_compressibility(288.15, 101325.0, 0.0) * _GAS_CONSTANT * 288.15)
     standard_wet = 1333.0 * _MOLAR_VAPOUR / (_compressibility(293.15, 1333.0, 1.0) * _GAS_CONSTANT * 293.15)
@@ -243,8 +282,12 @@ def _ciddor_densities(t: FloatArray, p: FloatArray, e: FloatArray, co2: float) -
 def _compressibility(temperature: Any, pressure: Any, x: Any) -> Any:
     """Z of moist air with molar fraction x of vapour (BIPM 1981/91; Ciddor, eq. 12)."""
     t, ratio = temperature - 273.15, pressure / temperature
-    first = (1.58123e-6 + t * (-2.9331e-8 + 1.1043e-10 * t)
-             + x * (5.707e-6 - 2.051e-8 * t) + x * x * (1.9898e-4 - 2.376e-6 * t))
+    first = (
+        1.58123e-6
+        + t * (-2.9331e-8 + 1.1043e-10 * t)
+        + x * (5.707e-6 - 2.051e-8 * t)
+        + x * x * (1.9898e-4 - 2.376e-6 * t)
+    )
     return 1.0 + ratio * (-first + ratio * (1.83e-11 - 0.765e-8 * x * x))
 
 

@@ -176,7 +176,8 @@ class Gas(Dispersion):
 
     def __init__(self, B: Sequence[float] = (), C: Sequence[float] = (), polynomial: Sequence[float] = (),
                  **options: Any) -> None:
-        strengths, poles, powers = (np.atleast_1d(as_array(v, n)) for v, n in ((B, "B"), (C, "C"), (polynomial, "polynomial")))
+        strengths, poles = np.atleast_1d(as_array(B, "B")), np.atleast_1d(as_array(C, "C"))
+        powers = np.atleast_1d(as_array(polynomial, "polynomial"))
         if strengths.ndim != 1 or strengths.shape != poles.shape:
             raise ValueError(f"B has shape {strengths.shape} and C {poles.shape}; as many of one as of the other")
         if powers.ndim != 1 or powers.size > 4:
@@ -251,6 +252,7 @@ def _folded(name: str) -> str:
 
 def _from_entry(entry: dict[str, Any], extrapolate: bool) -> Dispersion:
     options = {"range": tuple(entry["range"]), "extrapolate": extrapolate, "reference": entry["reference"]}
+    made: Dispersion
     if entry["formula"] == "sellmeier":
         # Sources give either the squares of the resonances (SCHOTT) or the resonances themselves (Malitson).
         poles = entry["C"] if "C" in entry else np.square(entry["resonance"])

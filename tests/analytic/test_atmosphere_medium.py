@@ -9,17 +9,30 @@ from cpm.media import Atmosphere
 
 R = 6371e3
 D_LINE = 587.5618
-LEVELS = Table([0.0, 300.0, 350.0, 1500.0, 11000.0, 20000.0], [281.0, 279.5, 286.0, 280.0, 217.0, 217.0], 1.01e5,
-               [0.9, 0.8, 0.4, 0.5, 0.1, 0.0])
-PROFILES = {"standard": USStandard1976(), "polytropic": Polytropic(288.15, 101325.0, humidity=0.6),
-            "road": HotSurface(USStandard1976(), 30.0, 0.05), "thin": HotSurface(USStandard1976(), 40.0, 0.01),
-            "cold": Inversion(HotSurface(USStandard1976(), -5.0, 2.0), 40.0, 5.0, 8.0), "levels": LEVELS}
+LEVELS = Table(
+    [0.0, 300.0, 350.0, 1500.0, 11000.0, 20000.0],
+    [281.0, 279.5, 286.0, 280.0, 217.0, 217.0],
+    1.01e5,
+    [0.9, 0.8, 0.4, 0.5, 0.1, 0.0],
+)
+PROFILES = {
+    "standard": USStandard1976(),
+    "polytropic": Polytropic(288.15, 101325.0, humidity=0.6),
+    "road": HotSurface(USStandard1976(), 30.0, 0.05),
+    "thin": HotSurface(USStandard1976(), 40.0, 0.01),
+    "cold": Inversion(HotSurface(USStandard1976(), -5.0, 2.0), 40.0, 5.0, 8.0),
+    "levels": LEVELS,
+}
 
 
 def heights_of(profile, count=4000):
     """Everywhere, and many where it varies: near the ground and at the kinks."""
     random = np.random.default_rng(1)
-    near = [at + random.normal(0, width, count // 8) for at in [profile.ground, *profile._kinks()[:4]] for width in (0.02, 2.0)]
+    near = [
+        at + random.normal(0, width, count // 8)
+        for at in [profile.ground, *profile._kinks()[:4]]
+        for width in (0.02, 2.0)
+    ]
     h = np.concatenate([random.uniform(profile.ground, profile.top, count), *near])
     return np.sort(h[(h > profile.ground) & (h < profile.top - 1e-3)])
 
@@ -90,8 +103,14 @@ def test_rays_are_refracted_as_the_integral_says(name, height):
     zenith = np.array([60.0, 85.0, 89.0, 90.0] + ([90.5, 91.0] if height > 100 else []))
     zenith, wavelength = (a.ravel() for a in np.meshgrid(zenith, [450.0, 587.5618, 680.0]))
     directions = np.column_stack([np.sin(np.radians(zenith)), np.cos(np.radians(zenith)), 0 * zenith])
-    rays = cpm.trace(medium, np.tile((0.0, height, 0.0), (zenith.size, 1)), directions, wavelength=wavelength, length=1.6e6,
-                     rtol=1e-11)
+    rays = cpm.trace(
+        medium,
+        np.tile((0.0, height, 0.0), (zenith.size, 1)),
+        directions,
+        wavelength=wavelength,
+        length=1.6e6,
+        rtol=1e-11,
+    )
     assert (rays.status == cpm.RayStatus.ARRIVED).all()
     moist = 0.0 if name == "standard" else 1e-4  # density times dispersion, see the notes
     expected = np.radians(refraction(profile, zenith, wavelength, height))
@@ -111,7 +130,7 @@ def test_the_setting_sun_is_flattened():
 
 
 def test_mirage_turning_points():
-    """Over a flat hot road a ray at angle α below the horizontal turns where n(h) = n(eye) cos α: to 1e-6 rad and better."""
+    """Over a flat hot road a ray at angle α below the horizontal turns where n(h) = n(eye) cos α: to 1e-6 rad."""
     profile, eye = HotSurface(USStandard1976(), 30.0, 0.05), 1.5
     medium = Atmosphere(profile, radius=None)
     for height in (0.02, 0.05, 0.1):
@@ -136,10 +155,15 @@ def test_scene_ends_at_the_top():
     assert small.extent.high == (1, 9, 1)
 
 
-@pytest.mark.parametrize(("arguments", "error", "message"), [
-    (("standard",), TypeError, "a profile of cpm.atmosphere"), ((USStandard1976(), 0.0), ValueError, "radius is 0 m"),
-    ((USStandard1976(), R, (0, 0, 0)), ValueError, "up is"), ((USStandard1976(), R, (0, 1, 0), "n"), ValueError, "ciddor"),
-])
+@pytest.mark.parametrize(
+    ("arguments", "error", "message"),
+    [
+        (("standard",), TypeError, "a profile of cpm.atmosphere"),
+        ((USStandard1976(), 0.0), ValueError, "radius is 0 m"),
+        ((USStandard1976(), R, (0, 0, 0)), ValueError, "up is"),
+        ((USStandard1976(), R, (0, 1, 0), "n"), ValueError, "ciddor"),
+    ],
+)
 def test_bad_input(arguments, error, message):
     with pytest.raises(error, match=message):
         Atmosphere(*arguments)
@@ -173,14 +197,19 @@ material = {{ type = "black" }}
 """
 FILES = {
     '{ type = "us-standard-1976" }': USStandard1976(),
-    '{ type = "polytropic", T0 = 288.15, p0 = 101325.0, humidity = 0.5, lapse = 0.006 }':
-        Polytropic(288.15, 101325.0, lapse=0.006, humidity=0.5),
-    '{ type = "table", h = [0, 1000, 20000], T = [288, 282, 217], p = 101000.0, rh = 0.4, interpolation = "monotone" }':
-        Table([0, 1000, 20000], [288, 282, 217], 101000.0, 0.4, "monotone"),
-    '{ type = "hot-surface", base = { type = "us-standard-1976" }, excess = 30.0, thickness = 0.05 }':
-        HotSurface(USStandard1976(), 30.0, 0.05),
-    '{ type = "inversion", base = { type = "hot-surface", base = { type = "us-standard-1976" }, excess = -3.0, thickness = 1.0 },'
-    ' height = 50.0, strength = 6.0, thickness = 10.0 }': Inversion(HotSurface(USStandard1976(), -3.0, 1.0), 50.0, 6.0, 10.0),
+    '{ type = "polytropic", T0 = 288.15, p0 = 101325.0, humidity = 0.5, lapse = 0.006 }': Polytropic(
+        288.15, 101325.0, lapse=0.006, humidity=0.5
+    ),
+    '{ type = "table", h = [0, 1000, 20000], T = [288, 282, 217], p = 1.01e5, rh = 0.4, interpolation = "monotone" }': Table(
+        [0, 1000, 20000], [288, 282, 217], 101000.0, 0.4, "monotone"
+    ),
+    '{ type = "hot-surface", base = { type = "us-standard-1976" }, excess = 30.0, thickness = 0.05 }': HotSurface(
+        USStandard1976(), 30.0, 0.05
+    ),
+    '{ type = "inversion", base = { type = "hot-surface", base = { type = "us-standard-1976" }, excess = -3, thickness = 1 },'
+    " height = 50.0, strength = 6.0, thickness = 10.0 }": Inversion(
+        HotSurface(USStandard1976(), -3.0, 1.0), 50.0, 6.0, 10.0
+    ),
 }
 
 
@@ -200,25 +229,43 @@ def test_scene_file(tmp_path, text):
 def test_scene_file_of_a_sounding(tmp_path):
     text = "PRES HGHT TEMP RELH\n1000 100 15 50\n900 1000 8 40\n500 5500 -20 10\n"
     (tmp_path / "sonde.txt").write_text(text)
-    medium = load(tmp_path, '{ type = "table", file = "sonde.txt" }', 'radius = inf\nrefractivity = "edlen"\nup = [0, 0, 1]').medium
+    medium = load(
+        tmp_path, '{ type = "table", file = "sonde.txt" }', 'radius = inf\nrefractivity = "edlen"\nup = [0, 0, 1]'
+    ).medium
     assert medium.radius is None and medium.up == (0, 0, 1) and medium.refractivity == "edlen"
     assert medium.profile.pressure(900.0) == read_sounding(tmp_path / "sonde.txt").pressure(900.0)
 
 
-@pytest.mark.parametrize(("profile", "more", "message"), [
-    ('{ type = "standard" }', "", r"medium.profile.type: 'standard': unknown type \(allowed: us-standard-1976, polytropic"),
-    ('{ type = "polytropic", T0 = 15, p0 = 101325 }', "", "medium.profile: T0 is 15 K"),
-    ('{ type = "polytropic", p0 = 101325 }', "", "medium.profile.T0: is missing"),
-    ('{ type = "us-standard-1976", T0 = 3 }', "", "medium.profile.T0: unknown key"),
-    ('{ type = "table", h = [0, 1] }', "", "h and T belong together"), ('{ type = "table", file = "no.txt" }', "", "no such file"),
-    ('{ type = "table" }', "", "exactly one of file, h"),
-    ('{ type = "hot-surface", base = { type = "us-standard-1976" }, excess = 30.0, thickness = 0.0 }', "", "profile.thickness"),
-    ('{ type = "hot-surface", base = { type = "table", h = [0, 1], T = [15, 15] }, excess = 3.0, thickness = 1.0 }', "",
-     r"medium.profile.base: T\[0\] is 15 K"),
-    ('{ type = "us-standard-1976" }', "radius = -1.0", "medium.radius"), ('{ type = "us-standard-1976" }', "radius = nan", "medium.radius"),
-    ('{ type = "us-standard-1976" }', 'dispersion = "air"', "medium.dispersion: unknown key"),
-    ('{ type = "us-standard-1976" }', 'refractivity = "cidor"', "medium.refractivity"),
-])
+@pytest.mark.parametrize(
+    ("profile", "more", "message"),
+    [
+        (
+            '{ type = "standard" }',
+            "",
+            r"medium.profile.type: 'standard': unknown type \(allowed: us-standard-1976, polytropic",
+        ),
+        ('{ type = "polytropic", T0 = 15, p0 = 101325 }', "", "medium.profile: T0 is 15 K"),
+        ('{ type = "polytropic", p0 = 101325 }', "", "medium.profile.T0: is missing"),
+        ('{ type = "us-standard-1976", T0 = 3 }', "", "medium.profile.T0: unknown key"),
+        ('{ type = "table", h = [0, 1] }', "", "h and T belong together"),
+        ('{ type = "table", file = "no.txt" }', "", "no such file"),
+        ('{ type = "table" }', "", "exactly one of file, h"),
+        (
+            '{ type = "hot-surface", base = { type = "us-standard-1976" }, excess = 30.0, thickness = 0.0 }',
+            "",
+            "profile.thickness",
+        ),
+        (
+            '{ type = "hot-surface", base = { type = "table", h = [0, 1], T = [15, 15] }, excess = 3, thickness = 1 }',
+            "",
+            r"medium.profile.base: T\[0\] is 15 K",
+        ),
+        ('{ type = "us-standard-1976" }', "radius = -1.0", "medium.radius"),
+        ('{ type = "us-standard-1976" }', "radius = nan", "medium.radius"),
+        ('{ type = "us-standard-1976" }', 'dispersion = "air"', "medium.dispersion: unknown key"),
+        ('{ type = "us-standard-1976" }', 'refractivity = "cidor"', "medium.refractivity"),
+    ],
+)
 def test_bad_scene_files(tmp_path, profile, more, message):
     with pytest.raises(cpm.SceneFileError, match=message) as error:
         load(tmp_path, profile, more)
@@ -236,9 +283,14 @@ material = { type = "diffuse", reflectance = 0.2 }
 def test_ground(tmp_path):
     """The sphere under the air: rays a little below the horizon meet it where curvature and refraction say."""
     scene = load(tmp_path, '{ type = "us-standard-1976" }', "up = [0, 1, 0]" + GROUND)
-    assert [shape.name for shape in scene.shapes][0] == "earth"
+    assert next(shape.name for shape in scene.shapes) == "earth"
     angle = np.radians([-90.0, -1.0, -0.1, -0.06])
-    rays = cpm.trace(scene, np.tile((0.0, 2.0, 0.0), (4, 1)), np.column_stack([np.cos(angle), np.sin(angle), 0 * angle]), wavelength=550.0)
+    rays = cpm.trace(
+        scene,
+        np.tile((0.0, 2.0, 0.0), (4, 1)),
+        np.column_stack([np.cos(angle), np.sin(angle), 0 * angle]),
+        wavelength=550.0,
+    )
     assert (rays.status == cpm.RayStatus.HIT).all()
     x, y = rays.position[:, 0], rays.position[:, 1]
     np.testing.assert_allclose((2 * R * y + y * y + x * x) / (R + np.hypot(x, R + y)), 0, rtol=0, atol=1e-8)
@@ -248,8 +300,14 @@ def test_ground(tmp_path):
     np.testing.assert_allclose(x[1:], (drop - np.sqrt(drop**2 - 4 * curve)) / curve, rtol=1e-4)
 
 
-@pytest.mark.parametrize("medium", ["", "[medium]\ntype = \"homogeneous\"\n",
-                                    "[medium]\ntype = \"atmosphere\"\nradius = inf\nprofile = { type = \"us-standard-1976\" }\n"])
+@pytest.mark.parametrize(
+    "medium",
+    [
+        "",
+        '[medium]\ntype = "homogeneous"\n',
+        '[medium]\ntype = "atmosphere"\nradius = inf\nprofile = { type = "us-standard-1976" }\n',
+    ],
+)
 def test_ground_needs_an_earth(tmp_path, medium):
     (tmp_path / "scene.toml").write_text(medium + GROUND)
     with pytest.raises(cpm.SceneFileError, match=r"shapes\[0\].type: .*needs \[medium\] to be an atmosphere"):

@@ -62,7 +62,9 @@ def test_observers_up_to_ten_kilometres(height):
         assert found == pytest.approx(model.refraction(zenith), abs=0.01 * allowed(zenith))
 
 
-@pytest.mark.parametrize(("height", "zenith"), [(100.0, 90.2), (2000.0, 91.0), (10000.0, 90.5), (10000.0, 92.0), (3500.0, 91.6)])
+@pytest.mark.parametrize(
+    ("height", "zenith"), [(100.0, 90.2), (2000.0, 91.0), (10000.0, 90.5), (10000.0, 92.0), (3500.0, 91.6)]
+)
 def test_below_the_horizon(height, zenith):
     """Down to the turning point and out again, by an ODE."""
     model = oracle.HohenkerkSinclair()
@@ -190,17 +192,24 @@ def test_radius():
     assert small[1] < 0.8 * large[1] and small[0] == pytest.approx(large[0], rel=3e-3)
 
 
-@pytest.mark.parametrize(("arguments", "options", "message"), [
-    ((STANDARD, -1.0), {}, r"zenith\[0\] is -1 degrees; 0 to 180"), ((STANDARD, [0, np.nan]), {}, r"zenith\[1\] is nan"),
-    ((STANDARD, 45.0, 50.0), {}, "wavelength is 50 nm"), ((STANDARD, 45.0, 550.0, np.inf), {}, r"height\[0\] is inf"),
-    ((STANDARD, 45.0), {"refractivity": "cidor"}, "ciddor, edlen, iag1999"), ((STANDARD, 45.0), {"radius": 0.0}, "radius is 0 m"),
-    ((STANDARD, 45.0), {"unreachable": "maybe"}, "raise, nan"), ((STANDARD, 91.0, 550.0, 0.0), {}, "meets the ground"),
-])
+@pytest.mark.parametrize(
+    ("arguments", "options", "message"),
+    [
+        ((STANDARD, -1.0), {}, r"zenith\[0\] is -1 degrees; 0 to 180"),
+        ((STANDARD, [0, np.nan]), {}, r"zenith\[1\] is nan"),
+        ((STANDARD, 45.0, 50.0), {}, "wavelength is 50 nm"),
+        ((STANDARD, 45.0, 550.0, np.inf), {}, r"height\[0\] is inf"),
+        ((STANDARD, 45.0), {"refractivity": "cidor"}, "ciddor, edlen, iag1999"),
+        ((STANDARD, 45.0), {"radius": 0.0}, "radius is 0 m"),
+        ((STANDARD, 45.0), {"unreachable": "maybe"}, "raise, nan"),
+        ((STANDARD, 91.0, 550.0, 0.0), {}, "meets the ground"),
+    ],
+)
 def test_bad_input(arguments, options, message):
     with pytest.raises(ValueError, match=message):
         refraction(*arguments, **options)
 
 
 def test_not_a_profile():
-    with pytest.raises(TypeError, match="a profile of cpm.atmosphere"):
+    with pytest.raises(TypeError, match="a profile of cpm"):
         refraction("standard", 45.0)

@@ -61,6 +61,7 @@ class HohenkerkSinclair:
         def height_at(psi, low, high):
             def surplus(h):
                 return (1 + self.index(h)[0]) * (self.radius + h) * np.sin(psi) - k
+
             if surplus(low) >= 0:
                 return low
             return high if surplus(high) <= 0 else brentq(surplus, low, high, xtol=1e-7, rtol=1e-15)
@@ -85,6 +86,7 @@ def bend(index, start, zenith, top):
 
     index(r) gives (n − 1, dn/dr). dr = cos ψ dl, dψ = −sin ψ (1/r + n'/n) dl, dR = −(n'/n) sin ψ dl.
     """
+
     def slope(_, y):
         r, psi, _ = y
         n1, dn = index(r)
@@ -95,6 +97,14 @@ def bend(index, start, zenith, top):
         return y[0] - top
 
     out.terminal, out.direction = True, 1
-    found = solve_ivp(slope, (0, 4e6), [start, np.radians(zenith), 0.0], method="DOP853", rtol=1e-12, atol=[1e-6, 1e-14, 1e-14],
-                      events=out, max_step=2e4)
+    found = solve_ivp(
+        slope,
+        (0, 4e6),
+        [start, np.radians(zenith), 0.0],
+        method="DOP853",
+        rtol=1e-12,
+        atol=[1e-6, 1e-14, 1e-14],
+        events=out,
+        max_step=2e4,
+    )
     return found.y[2, -1] if found.t_events[0].size else None

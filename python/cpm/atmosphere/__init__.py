@@ -12,10 +12,11 @@ Every profile has ``temperature(h)`` (K), ``pressure(h)`` (Pa), ``vapour_pressur
 ``density(h)`` (kg/m³) and ``refractivity(h, wavelength, model)`` (n − 1), of heights in metres above the level that it
 counts from, of any shape. :func:`refraction` bends a star's light; :class:`cpm.media.Atmosphere` fills a scene.
 """
+
 from ._profile import Profile
+from ._refraction import refraction
 from .layers import HotSurface, Inversion
 from .polytropic import Polytropic
-from ._refraction import refraction
 from .sounding import read_sounding
 from .standard import USStandard1976
 from .table import Table

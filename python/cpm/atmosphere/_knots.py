@@ -1,4 +1,5 @@
 """Heights between which a profile's refractivity is as smooth as a polynomial."""
+
 from __future__ import annotations
 
 from collections.abc import Callable
@@ -20,8 +21,12 @@ def breaks(profile: Profile, low: float, high: float) -> FloatArray:
     return heights[apart]
 
 
-def sample(function: Callable[[FloatArray], FloatArray], starts: FloatArray, tolerance: Callable[[FloatArray], FloatArray],
-           widest: float = 2000.0) -> FloatArray:
+def sample(
+    function: Callable[[FloatArray], FloatArray],
+    starts: FloatArray,
+    tolerance: Callable[[FloatArray], FloatArray],
+    widest: float = 2000.0,
+) -> FloatArray:
     """Splits the intervals between ``starts`` until a cubic would do.
 
     The error of a cubic spline is d⁴ f''''/384 (Hall and Meyer 1976), so ⅔ of the fourth difference of five points.
@@ -39,7 +44,9 @@ def sample(function: Callable[[FloatArray], FloatArray], starts: FloatArray, tol
     """
     done: list[FloatArray] = [starts]
     count = np.maximum(1, np.ceil(np.diff(starts) / widest)).astype(int)
-    edges = np.concatenate([a + (b - a) * np.arange(n) / n for a, b, n in zip(starts[:-1], starts[1:], count, strict=True)])
+    edges = np.concatenate(
+        [a + (b - a) * np.arange(n) / n for a, b, n in zip(starts[:-1], starts[1:], count, strict=True)]
+    )
     low, high = edges, np.concatenate([edges[1:], starts[-1:]])
     done.append(low)
     total = low.size

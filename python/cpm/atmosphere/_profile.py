@@ -1,4 +1,5 @@
 """What all profiles share."""
+
 from __future__ import annotations
 
 from typing import Any
@@ -73,11 +74,20 @@ class Profile:
 
     def humidity(self, h: npt.ArrayLike) -> Any:
         """Relative humidity over liquid water, a fraction, at heights h (m)."""
-        return _like(h, self._below_top(lambda x: self._fraction(x) * self._pressure(x) / air.vapour_pressure(
-            self._temperature(x), self._pressure(x), 1.0)))
+        return _like(
+            h,
+            self._below_top(
+                lambda x: (
+                    self._fraction(x)
+                    * self._pressure(x)
+                    / air.vapour_pressure(self._temperature(x), self._pressure(x), 1.0)
+                )
+            ),
+        )
 
     def density(self, h: npt.ArrayLike) -> Any:
         """Density of the moist air, kg/m³, at heights h (m), as an ideal gas; 0 above the top."""
+
         def moist(x: FloatArray) -> FloatArray:
             molar = MOLAR_DRY - (MOLAR_DRY - MOLAR_VAPOUR) * self._fraction(x)
             return self._pressure(x) * molar / (GAS_CONSTANT * self._temperature(x))
@@ -101,6 +111,7 @@ class Profile:
         float or ndarray
             Of the broadcast shape; 0 above the top.
         """
+
         def of(x: FloatArray) -> FloatArray:
             pressure = self._pressure(x)
             return air.refractivity(wavelength, self._temperature(x), pressure, self._fraction(x) * pressure, model)

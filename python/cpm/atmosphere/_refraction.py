@@ -4,17 +4,18 @@ Along a ray n r sin ψ = k is constant, ψ being the angle from the vertical, an
 
     R = ∫ f k/√Q dr,   f = −n'/n,   Q = n² r² − k²                                                                  (1)
 
-over the heights that it passes. Auer and Standish (Astron. J. 119, 2472 (2000)) integrate over ψ instead, which takes the
-root away at a turning point, and fails where n r has an extremum: in a duct. Here each thin layer takes f linear and Q
-quadratic in height, from their values at its ends and middle, which has a closed form without cancellation whatever Q
-does: with w = √Q at the ends, d the thickness, C the coefficient of Q's square term,
+over the heights that it passes. Auer and Standish (Astron. J. 119, 2472 (2000)) integrate over ψ instead, which takes
+the root away at a turning point, and fails where n r has an extremum: in a duct. Here each thin layer takes f linear
+and Q quadratic in height, from their values at its ends and middle, which has a closed form without cancellation
+whatever Q does: with w = √Q at the ends, d the thickness, C the coefficient of Q's square term,
 
-    ∫ dr/√Q = (2 d/S) A(C d²/S²),   S = w_a + w_b,   A(x) = artanh(√x)/√x, arctan(√−x)/√−x                            (2)
-    ∫ (r − r_m) dr/√Q = −d² (w_b − w_a)/(3 S²)   (for C = 0; f varies little)                                         (3)
+    ∫ dr/√Q = (2 d/S) A(C d²/S²),   S = w_a + w_b,   A(x) = artanh(√x)/√x, arctan(√−x)/√−x                           (2)
+    ∫ (r − r_m) dr/√Q = −d² (w_b − w_a)/(3 S²)   (for C = 0; f varies little)                                        (3)
 
-A ray that goes down is followed to where Q = 0 and back up. Layers end where n r has an extremum, so that Q is monotonic
-within each.
+A ray that goes down is followed to where Q = 0 and back up. Layers end where n r has an extremum, so that Q is
+monotonic within each.
 """
+
 from __future__ import annotations
 
 from typing import Any
@@ -27,11 +28,21 @@ from ..air import MODELS
 from ._knots import breaks, sample
 from ._profile import Profile
 
-_SPLIT = 8  # layers in each interval that a cubic would serve: 1e-4 arc seconds at the horizon
+# Layers over which f changes by a factor e, and the most that an interval which a cubic would serve is split into:
+# 1e-4 arc seconds at the horizon.
+_FINE, _SPLIT = 180, 10
 
 
-def refraction(profile: Profile, zenith: npt.ArrayLike, wavelength: npt.ArrayLike = 574.0, height: npt.ArrayLike = 0.0,
-               refractivity: str = "ciddor", *, radius: float | None = None, unreachable: str = "raise") -> Any:
+def refraction(
+    profile: Profile,
+    zenith: npt.ArrayLike,
+    wavelength: npt.ArrayLike = 574.0,
+    height: npt.ArrayLike = 0.0,
+    refractivity: str = "ciddor",
+    *,
+    radius: float | None = None,
+    unreachable: str = "raise",
+) -> Any:
     """Astronomical refraction: true minus apparent zenith distance.
 
     Parameters
@@ -65,7 +76,9 @@ def refraction(profile: Profile, zenith: npt.ArrayLike, wavelength: npt.ArrayLik
     r = profile.radius if radius is None else as_number(radius, "radius")
     if not r > 0:
         raise ValueError(f"radius is {r:g} m; above 0 is needed")
-    z, w, h = (as_array(value, name) for value, name in ((zenith, "zenith"), (wavelength, "wavelength"), (height, "height")))
+    z, w, h = (
+        as_array(value, name) for value, name in ((zenith, "zenith"), (wavelength, "wavelength"), (height, "height"))
+    )
     bad = np.flatnonzero(~((np.atleast_1d(z) >= 0) & (np.atleast_1d(z) <= 180)).ravel())
     if bad.size:
         raise ValueError(f"zenith[{bad[0]}] is {np.atleast_1d(z).ravel()[bad[0]]:g} degrees; 0 to 180 are allowed")
@@ -84,8 +97,12 @@ def refraction(profile: Profile, zenith: npt.ArrayLike, wavelength: npt.ArrayLik
     lost = np.flatnonzero(why.ravel())
     if lost.size and unreachable == "raise":
         where = f"[{lost[0]}]" if z.ndim else ""
-        what = "meets the ground" if why.ravel()[lost[0]] == _GROUND else "is trapped in a duct and never leaves the air"
-        raise ValueError(f"zenith{where} is {z.ravel()[lost[0]]:g} degrees: the ray {what}; unreachable=\"nan\" gives NaN there")
+        what = (
+            "meets the ground" if why.ravel()[lost[0]] == _GROUND else "is trapped in a duct and never leaves the air"
+        )
+        raise ValueError(
+            f'zenith{where} is {z.ravel()[lost[0]]:g} degrees: the ray {what}; unreachable="nan" gives NaN there'
+        )
     return np.degrees(out) if out.ndim else float(np.degrees(out))
 
 
@@ -105,8 +122,7 @@ class _Layers:
         if not self.outside:
             starts = np.unique(np.append(starts, height))
         knots = sample(index, starts, lambda value: np.maximum(1e-12, 1e-8 * value))
-        split = np.arange(_SPLIT) / _SPLIT
-        knots = np.append((knots[:-1, None] + np.diff(knots)[:, None] * split).ravel(), knots[-1])
+        knots = _split(knots, index)
 
         # x = n r − n₀ r₀, from small terms: n r itself has 1e-9 m of rounding.
         own = 0.0 if self.outside else float(index(np.array(height)))
@@ -182,7 +198,9 @@ class _Layers:
         """(2) and (3), without k, of thickness d in which ∫ f dr is ``whole``."""
         s = below + above
         slope = 4.0 * self.change[i] / self.d[i] ** 2
-        return np.asarray((2.0 * whole / s) * _area(self.curve[i] * (d / s) ** 2) - slope * d * d * (above - below) / (3.0 * s * s))
+        return np.asarray(
+            (2.0 * whole / s) * _area(self.curve[i] * (d / s) ** 2) - slope * d * d * (above - below) / (3.0 * s * s)
+        )
 
     def _turn(self, i: int, below: FloatArray, above: FloatArray) -> FloatArray:
         """From where Q = 0 in layer i to its upper end."""
@@ -206,6 +224,17 @@ def _area(x: FloatArray) -> FloatArray:
         root = np.sqrt(np.minimum(np.abs(y), np.where(y > 0, 1.0 - 1e-15, np.inf)))
         series[far] = np.where(y > 0, np.arctanh(np.minimum(root, 1.0 - 1e-16)), np.arctan(root)) / root
     return series
+
+
+def _split(knots: FloatArray, index: Any) -> FloatArray:
+    """Cuts intervals where f changes by more than a hundredth or so; half a layer's f against the other's tells."""
+    n, middle = index(knots), index(0.5 * (knots[1:] + knots[:-1]))
+    lower, upper = n[:-1] - middle, middle - n[1:]
+    change = 4.0 * np.abs(upper - lower) / (np.abs(upper) + np.abs(lower) + 1e-300)
+    pieces = np.clip(np.ceil(_FINE * change), 1, _SPLIT).astype(int)
+    first = np.repeat(knots[:-1], pieces)
+    part = np.arange(first.size) - np.repeat(np.cumsum(pieces) - pieces, pieces)
+    return np.append(first + part * np.repeat(np.diff(knots) / pieces, pieces), knots[-1])
 
 
 def _with_extrema(knots: FloatArray, offset: Any) -> FloatArray:

@@ -2,10 +2,11 @@
 
 T = T_b + ΔT(h). Hydrostatics, with the share of vapour of the base, gives
 
-    ln p = ln p_b + ∫ q_b (1 − T_b/T) dh   from the ground,   q_b = −d ln p_b/dh                                       (1)
+    ln p = ln p_b + ∫ q_b (1 − T_b/T) dh   from the ground,   q_b = −d ln p_b/dh                                     (1)
 
 so that the pressure at the ground is the base's: what a barometer there says.
 """
+
 from __future__ import annotations
 
 import numpy as np
@@ -26,13 +27,22 @@ class _Changed(Profile):
         self.ground, self.top, self.radius = base.ground, base.top, base.radius
         self._own = [h for h in features if h < self.top]
         lowest = self.ground - 2 * _STEP
-        knots = np.unique(np.concatenate([np.arange(lowest, self.top, _STEP), [self.ground], [
-            h for h in [*self._own, *base._kinks(), *base._features()] if lowest < h < self.top]]))
+        knots = np.unique(
+            np.concatenate(
+                [
+                    np.arange(lowest, self.top, _STEP),
+                    [self.ground],
+                    [h for h in [*self._own, *base._kinks(), *base._features()] if lowest < h < self.top],
+                ]
+            )
+        )
         air = knots[knots >= self.ground]
         temperature = self._temperature(air)
         if not (np.abs(temperature - 275.0) <= 225.0).all():
             bad = int(np.argmax(np.abs(temperature - 275.0)))
-            raise ValueError(f"{type(self).__name__} gives {temperature[bad]:g} K at {air[bad]:g} m; 50 to 500 K are allowed")
+            raise ValueError(
+                f"{type(self).__name__} gives {temperature[bad]:g} K at {air[bad]:g} m; 50 to 500 K are allowed"
+            )
         self._knots = knots
         pieces = self._correction(knots[:-1], knots[1:])
         self._sums = np.concatenate([[0.0], np.cumsum(pieces)])
@@ -67,6 +77,11 @@ class _Changed(Profile):
         return self.base._features() + self._own
 
 
+def _check_thickness(thickness: float) -> None:
+    if not 1e-4 <= thickness <= 1e5:
+        raise ValueError(f"thickness is {thickness:g} m; 0.0001 to 100000 are allowed")
+
+
 class HotSurface(_Changed):
     """Air over a surface of another temperature: T = T_base + excess · exp(−(h − ground)/thickness).
 
@@ -84,14 +99,14 @@ class HotSurface(_Changed):
         self.excess, self.thickness = as_number(excess, "excess"), as_number(thickness, "thickness")
         if not -80.0 <= self.excess <= 500.0:
             raise ValueError(f"excess is {self.excess:g} K; -80 to 500 are allowed")
-        if not self.thickness > 0:
-            raise ValueError(f"thickness is {self.thickness:g} m; above 0 is needed")
+        _check_thickness(self.thickness)
         ground = base.ground if isinstance(base, Profile) else 0.0
         steps = (0.25, 0.5, 1, 1.5, 2, 3, 4, 6, 8, 12, 16, 24, 32, 40)
         super().__init__(base, [ground + self.thickness * k for k in (*steps, *(-k for k in steps))])
 
     def _difference(self, h: FloatArray) -> FloatArray:
-        # Under the ground it goes on for half a thickness and then stays bounded: no ray sees it, but integrators step there.
+        # Under the ground it goes on for half a thickness and then stays bounded: no ray sees it, but integrators step
+        # there.
         x = (h - self.base.ground) / self.thickness
         deep = np.exp(2.0 * np.minimum(x + 0.5, 0.0))
         return self.excess * np.exp(-np.maximum(x, -0.5)) * (1.5 - 0.5 * deep)
@@ -120,8 +135,7 @@ class Inversion(_Changed):
     def __init__(self, base: Profile, height: float, strength: float, thickness: float) -> None:
         self.height, self.strength = as_number(height, "height"), as_number(strength, "strength")
         self.thickness = as_number(thickness, "thickness")
-        if not self.thickness > 0:
-            raise ValueError(f"thickness is {self.thickness:g} m; above 0 is needed")
+        _check_thickness(self.thickness)
         if isinstance(base, Profile) and not base.ground <= self.height < base.top:
             raise ValueError(f"height is {self.height:g} m; {base.ground:g} to {base.top:g} are allowed")
         steps = np.array([0.125, 0.25, 0.375, 0.5, 0.75, 1, 1.5, 2, 3, 4, 6, 8, 10])
@@ -132,4 +146,5 @@ class Inversion(_Changed):
         return -0.5 * self.strength * (1.0 - np.tanh(2.0 * (h - self.height) / self.thickness))
 
     def __repr__(self) -> str:
-        return f"Inversion({self.base!r}, height={self.height:g}, strength={self.strength:g}, thickness={self.thickness:g})"
+        numbers = f"height={self.height:g}, strength={self.strength:g}, thickness={self.thickness:g}"
+        return f"Inversion({self.base!r}, {numbers})"

@@ -8,6 +8,7 @@ Technical Note 63 (1985); Explanatory Supplement to the Astronomical Almanac (19
 
 above it T is constant and p, e fall exponentially.
 """
+
 from __future__ import annotations
 
 import numpy as np
@@ -37,8 +38,16 @@ class Polytropic(Profile):
 
     radius = 6378120.0
 
-    def __init__(self, T0: float, p0: float, lapse: float = 0.0065, tropopause: float = 11000.0,
-                 reference_height: float = 0.0, humidity: float = 0.0, latitude: float = 45.0) -> None:
+    def __init__(
+        self,
+        T0: float,
+        p0: float,
+        lapse: float = 0.0065,
+        tropopause: float = 11000.0,
+        reference_height: float = 0.0,
+        humidity: float = 0.0,
+        latitude: float = 45.0,
+    ) -> None:
         self.T0, self.p0 = as_number(T0, "T0"), as_number(p0, "p0")
         self.lapse, self.latitude = as_number(lapse, "lapse"), as_number(latitude, "latitude")
         self.reference_height = as_number(reference_height, "reference_height")
@@ -46,7 +55,9 @@ class Polytropic(Profile):
         self._relative = as_number(humidity, "humidity")
         self._check()
         self.ground = min(0.0, self.reference_height)
-        self._gravity = 9.784 * (1.0 - 0.0026 * np.cos(np.radians(2.0 * self.latitude)) - 2.8e-7 * self.reference_height)
+        self._gravity = 9.784 * (
+            1.0 - 0.0026 * np.cos(np.radians(2.0 * self.latitude)) - 2.8e-7 * self.reference_height
+        )
         self._vapour = self._vapour_at_reference()
         edge = np.array([self.tropopause])
         self._edge_temperature = float(self._temperature(edge)[0])
@@ -70,8 +81,10 @@ class Polytropic(Profile):
             raise ValueError(f"lapse is {self.lapse:g} K/m; -0.1 to 0.1 are allowed: is it in K/km?")
         coldest = self.T0 - self.lapse * (self.tropopause - self.reference_height)
         if not 50.0 <= coldest <= 1000.0:
-            raise ValueError(f"lapse is {self.lapse:g} K/m and gives {coldest:g} K at the tropopause, {self.tropopause:g} m; "
-                             "50 to 1000 K are allowed")
+            raise ValueError(
+                f"lapse is {self.lapse:g} K/m and gives {coldest:g} K at the tropopause, {self.tropopause:g} m; "
+                "50 to 1000 K are allowed"
+            )
 
     def _vapour_at_reference(self) -> float:
         """e₀ from the relative humidity, Pa (A. L. Buck, J. Appl. Meteorol. 20, 1527 (1981), as the authors use it)."""
@@ -116,5 +129,7 @@ class Polytropic(Profile):
         return [self.tropopause]
 
     def __repr__(self) -> str:
-        return f"Polytropic(T0={self.T0:g}, p0={self.p0:g}, lapse={self.lapse:g}, tropopause={self.tropopause:g}, " \
-               f"reference_height={self.reference_height:g}, humidity={self._relative:g}, latitude={self.latitude:g})"
+        return (
+            f"Polytropic(T0={self.T0:g}, p0={self.p0:g}, lapse={self.lapse:g}, tropopause={self.tropopause:g}, "
+            f"reference_height={self.reference_height:g}, humidity={self._relative:g}, latitude={self.latitude:g})"
+        )

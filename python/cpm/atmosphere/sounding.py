@@ -1,4 +1,5 @@
 """Radiosonde files."""
+
 from __future__ import annotations
 
 import os
@@ -11,8 +12,22 @@ from ._profile import geometric
 from .table import Table
 
 # A column's name in the header, in capitals, to what it is.
-_NAMES = {"PRES": "p", "PRESSURE": "p", "P": "p", "HGHT": "h", "HEIGHT": "h", "H": "h", "TEMP": "T", "TEMPERATURE": "T", "T": "T",
-          "DWPT": "dew", "DEWPT": "dew", "TD": "dew", "RELH": "rh", "RH": "rh"}
+_NAMES = {
+    "PRES": "p",
+    "PRESSURE": "p",
+    "P": "p",
+    "HGHT": "h",
+    "HEIGHT": "h",
+    "H": "h",
+    "TEMP": "T",
+    "TEMPERATURE": "T",
+    "T": "T",
+    "DWPT": "dew",
+    "DEWPT": "dew",
+    "TD": "dew",
+    "RELH": "rh",
+    "RH": "rh",
+}
 
 
 def read_sounding(path: str | os.PathLike[str], interpolation: str = "linear") -> Table:
@@ -21,9 +36,9 @@ def read_sounding(path: str | os.PathLike[str], interpolation: str = "linear") -
     Parameters
     ----------
     path : path
-        The University of Wyoming's text list (weather.uwyo.edu, "Text: List"), or any table with a line of column names:
-        PRES (hPa), HGHT (m, geopotential), TEMP (°C), and DWPT (dew point, °C) or RELH (%); others are ignored. Columns
-        are separated by blanks or commas; in Wyoming's lists, which leave fields blank, by their width.
+        The University of Wyoming's text list (weather.uwyo.edu, "Text: List"), or any table with a line of column
+        names: PRES (hPa), HGHT (m, geopotential), TEMP (°C), and DWPT (dew point, °C) or RELH (%); others are ignored.
+        Columns are separated by blanks or commas; in Wyoming's lists, which leave fields blank, by their width.
     interpolation : {"linear", "monotone"}
         See :class:`Table`.
 
@@ -55,8 +70,10 @@ def read_sounding(path: str | os.PathLike[str], interpolation: str = "linear") -
         wrong = np.flatnonzero(~(direction * np.diff(values) > 0))
         if wrong.size:
             i = int(wrong[0]) + 1
-            raise ValueError(f"{path}, line {where[i]}: {name} is {values[i]:g} after {values[i - 1]:g}; "
-                             f"it must {'rise' if direction > 0 else 'fall'} from level to level")
+            raise ValueError(
+                f"{path}, line {where[i]}: {name} is {values[i]:g} after {values[i - 1]:g}; "
+                f"it must {'rise' if direction > 0 else 'fall'} from level to level"
+            )
     try:
         return Table(geometric(h), celsius + 273.15, 100.0 * p, humidity, interpolation)
     except ValueError as error:
@@ -80,11 +97,12 @@ def _header(path: Path, lines: list[str]) -> tuple[int, list[str], list[int] | N
     raise ValueError(f"{path}: no line names the columns PRES, HGHT and TEMP")
 
 
-def _rows(path: Path, lines: list[str], header: int, columns: list[str], ends: list[int] | None
-          ) -> list[tuple[int, tuple[float, float, float, float]]]:
+def _rows(
+    path: Path, lines: list[str], header: int, columns: list[str], ends: list[int] | None
+) -> list[tuple[int, tuple[float, float, float, float]]]:
     """(line number, (p hPa, h m, T °C, relative humidity)) of each level that has the first three."""
     rows = []
-    for number, line in enumerate(lines[header + 1:], start=header + 2):
+    for number, line in enumerate(lines[header + 1 :], start=header + 2):
         text = line.split("#")[0].rstrip()
         if not text.strip() or set(text.strip()) <= set("-= "):
             continue

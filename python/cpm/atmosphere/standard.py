@@ -1,4 +1,5 @@
 """The U.S. Standard Atmosphere 1976 (NOAA-S/T 76-1562, NASA, USAF)."""
+
 from __future__ import annotations
 
 import numpy as np

@@ -1,4 +1,5 @@
 """A profile of measured levels."""
+
 from __future__ import annotations
 
 import numpy as np
@@ -21,7 +22,7 @@ class Table(Profile):
     T : array_like, shape (K,)
         K.
     p : array_like, shape (K,), or float, optional
-        Pa. One number: the pressure at h[0], and the rest by hydrostatic integration over the moist air. Default 101325.
+        Pa. One number: the pressure at h[0], and the rest by hydrostatics of the moist air. Default 101325.
     rh : array_like, shape (K,), or float, optional
         Relative humidity over liquid water, a fraction. Default: dry.
     interpolation : {"linear", "monotone"}
@@ -34,8 +35,14 @@ class Table(Profile):
     last one the air is isothermal, with their share of vapour, up to 80 km. The ground is at h[0].
     """
 
-    def __init__(self, h: npt.ArrayLike, T: npt.ArrayLike, p: npt.ArrayLike | None = None, rh: npt.ArrayLike | None = None,
-                 interpolation: str = "linear") -> None:
+    def __init__(
+        self,
+        h: npt.ArrayLike,
+        T: npt.ArrayLike,
+        p: npt.ArrayLike | None = None,
+        rh: npt.ArrayLike | None = None,
+        interpolation: str = "linear",
+    ) -> None:
         self.h, self.T = as_array(h, "h"), as_array(T, "T")
         if self.h.ndim != 1 or self.h.size < 2:
             raise ValueError(f"h has shape {self.h.shape}; at least 2 heights are needed")
@@ -48,6 +55,8 @@ class Table(Profile):
         self.ground = float(self.h[0])
         self.top = max(80e3, float(self.h[-1]))
         self._slopes = _monotone_slopes(self.h, self.T) if interpolation == "monotone" else None
+        self._knots: FloatArray
+        self._logs: FloatArray
         self._hydrostatic = not given.ndim
         if self._hydrostatic:
             self._integrate(float(given))
@@ -57,9 +66,11 @@ class Table(Profile):
         self._ends = [self._end(0), self._end(-1)]
 
     def _check(self, given: FloatArray) -> None:
-        for values, name, low, high, unit, hint in ((self.T, "T", 100.0, 400.0, " K", ": is it in °C?"),
-                                                    (self.rh, "rh", 0.0, 1.5, "", ": a fraction; is it in percent?"),
-                                                    (np.atleast_1d(given), "p", 1e-3, 2e5, " Pa", "")):
+        for values, name, low, high, unit, hint in (
+            (self.T, "T", 100.0, 400.0, " K", ": is it in °C?"),
+            (self.rh, "rh", 0.0, 1.5, "", ": a fraction; is it in percent?"),
+            (np.atleast_1d(given), "p", 1e-3, 2e5, " Pa", ""),
+        ):
             if name != "p" or given.ndim:
                 if values.shape != self.h.shape:
                     raise ValueError(f"{name} has shape {values.shape}; h has {self.h.shape}")
@@ -73,7 +84,9 @@ class Table(Profile):
             raise ValueError(f"h[{i}] is {self.h[i]:g} m; heights must be finite, below 100 km and increase strictly")
         if given.ndim and not (np.diff(given) < 0).all():
             i = int(np.flatnonzero(~(np.diff(given) < 0))[0]) + 1
-            raise ValueError(f"p[{i}] is {given[i]:g} Pa; pressure must fall with height, p[{i - 1}] is {given[i - 1]:g}")
+            raise ValueError(
+                f"p[{i}] is {given[i]:g} Pa; pressure must fall with height, p[{i - 1}] is {given[i - 1]:g}"
+            )
         if not given.ndim and given < 2000.0:
             raise ValueError(f"p is {float(given):g} Pa at h[0]; at least 2000 is needed: is it in hPa?")
 
@@ -86,8 +99,12 @@ class Table(Profile):
         i = np.clip(np.searchsorted(self.h, x, side="right") - 1, 0, self.h.size - 2)
         width = self.h[i + 1] - self.h[i]
         t = (x - self.h[i]) / width
-        return ((1 + 2 * t) * (1 - t) ** 2 * self.T[i] + t * (1 - t) ** 2 * width * self._slopes[i]
-                + t * t * (3 - 2 * t) * self.T[i + 1] + t * t * (t - 1) * width * self._slopes[i + 1])
+        return (
+            (1 + 2 * t) * (1 - t) ** 2 * self.T[i]
+            + t * (1 - t) ** 2 * width * self._slopes[i]
+            + t * t * (3 - 2 * t) * self.T[i + 1]
+            + t * t * (t - 1) * width * self._slopes[i + 1]
+        )
 
     def _fraction_at(self, h: FloatArray, pressure: FloatArray) -> FloatArray:
         t = self._temperature(h)
@@ -102,13 +119,15 @@ class Table(Profile):
 
     def _integrate(self, first: float) -> None:
         """Knots, ln p at each. d ln p/dh depends on p through the vapour's share only."""
-        pieces = [np.linspace(a, b, max(1, int(np.ceil((b - a) / _STEP))), endpoint=False)
-                  for a, b in zip(self.h[:-1], self.h[1:], strict=True)]
+        pieces = [
+            np.linspace(a, b, max(1, int(np.ceil((b - a) / _STEP))), endpoint=False)
+            for a, b in zip(self.h[:-1], self.h[1:], strict=True)
+        ]
         self._knots = np.concatenate([*pieces, self.h[-1:]])
         self._logs = np.empty_like(self._knots)
         self._logs[0] = np.log(first)
         for i in range(self._knots.size - 1):
-            self._logs[i + 1] = self._logs[i] - self._fall(np.array([i]), self._knots[i + 1:i + 2])[0]
+            self._logs[i + 1] = self._logs[i] - self._fall(np.array([i]), self._knots[i + 1 : i + 2])[0]
 
     def _fall(self, i: npt.NDArray[np.intp], h: FloatArray) -> FloatArray:
         """ln p_i − ln p(h), between knots i and i + 1."""

@@ -1,4 +1,5 @@
 """Air around a planet, or over a plane."""
+
 from __future__ import annotations
 
 import numpy as np
@@ -12,7 +13,7 @@ from ..dispersion import Gas
 from ._base import D_LINE, Medium
 
 _BELOW = 100.0  # metres of air under the ground, so that a step of an integrator that ends there is as good as any
-_THINNEST = 2e-4  # metres
+_THINNEST = 1e-5  # metres
 _MOST = 200_000
 
 
@@ -24,7 +25,7 @@ class Atmosphere(Medium):
     profile : Profile
         Temperature, pressure and humidity of height.
     radius : float or None
-        Of the sphere where height is 0, metres, with its centre at ``origin`` − ``radius``·``up``. None or inf: a flat Earth.
+        Of the sphere where height is 0, metres, with its centre at ``origin`` − ``radius``·``up``. None or inf: flat.
     up : array_like, shape (3,)
         Need not be unit.
     refractivity : {"ciddor", "edlen", "iag1999"}
@@ -43,13 +44,21 @@ class Atmosphere(Medium):
 
     Notes
     -----
-    Above the profile's top n keeps the top's value, and light goes straight. At other wavelengths n − 1 is multiplied by
-    the dispersion of the air at the ground, moist as it is there: density times dispersion. That is exact in dry air;
-    where the share of water vapour x changes with height, n − 1 is off by 0.01 x of itself at most, from 400 to 700 nm.
+    Above the profile's top n keeps the top's value, and light goes straight. At other wavelengths n − 1 is multiplied
+    by the dispersion of the air at the ground, moist as it is there: density times dispersion. That is exact in dry
+    air; where the share x of water vapour changes with height, n − 1 is off by 0.01 x of itself at most, from 400 to
+    700 nm. :func:`cpm.atmosphere.refraction` takes each height's own.
     """
 
-    def __init__(self, profile: Profile, radius: float | None = 6371e3, up: VectorLike = (0.0, 1.0, 0.0),
-                 refractivity: str = "ciddor", origin: VectorLike = (0.0, 0.0, 0.0), bounds: Bounds | None = None) -> None:
+    def __init__(
+        self,
+        profile: Profile,
+        radius: float | None = 6371e3,
+        up: VectorLike = (0.0, 1.0, 0.0),
+        refractivity: str = "ciddor",
+        origin: VectorLike = (0.0, 0.0, 0.0),
+        bounds: Bounds | None = None,
+    ) -> None:
         if not isinstance(profile, Profile):
             raise TypeError(f"profile is {profile!r}; a profile of cpm.atmosphere is needed")
         self.profile, self.refractivity = profile, one_of(refractivity, "refractivity", air.MODELS)
@@ -61,15 +70,24 @@ class Atmosphere(Medium):
             raise ValueError("up is (0, 0, 0); a direction is needed")
         super().__init__(_dispersion(profile, self.refractivity), bounds)
         self.heights, self.n, self._kinks = _spline(profile, self.refractivity)
-        self._handle = _core.layered(self.heights, self.n, self.up, self.origin, self.radius or 0.0, _core.INTERPOLATION["cubic"],
-                                     self._dispersion_core(), self._kinks)
+        self._handle = _core.layered(
+            self.heights,
+            self.n,
+            self.up,
+            self.origin,
+            self.radius or 0.0,
+            _core.INTERPOLATION["cubic"],
+            self._dispersion_core(),
+            self._kinks,
+        )
 
     @property
     def extent(self) -> Box | None:
         """A box around all of the air of a spherical Earth; None over a flat one."""
-        if self.radius is None:
+        center = self.center
+        if self.radius is None or center is None:
             return None
-        center, reach = self.center, self.radius + self.profile.top
+        reach = self.radius + self.profile.top
         return Box(np.subtract(center, reach), np.add(center, reach))
 
     @property
@@ -92,6 +110,7 @@ def _dispersion(profile: Profile, model: str) -> Gas:
 
 def _spline(profile: Profile, model: str) -> tuple[FloatArray, FloatArray, list[int]]:
     """Heights, n, and the indices of the kinks: split until the core's own spline is within tolerance everywhere."""
+
     def refractivity(h: FloatArray) -> FloatArray:
         return np.asarray(profile.refractivity(h, D_LINE, model))
 
@@ -105,7 +124,9 @@ def _spline(profile: Profile, model: str) -> tuple[FloatArray, FloatArray, list[
     while True:
         n = 1.0 + refractivity(heights)
         indices = sorted({int(i) for i in np.searchsorted(heights, kinks - 1e-6)} - {0, heights.size - 1})
-        flat = _core.layered(heights, n, (0.0, 1.0, 0.0), (0.0, 0.0, 0.0), 0.0, _core.INTERPOLATION["cubic"], None, indices)
+        flat = _core.layered(
+            heights, n, (0.0, 1.0, 0.0), (0.0, 0.0, 0.0), 0.0, _core.INTERPOLATION["cubic"], None, indices
+        )
         width = np.diff(heights)
         at = heights[:-1, None] + width[:, None] * shares
         points = np.zeros((at.size, 3))

@@ -35,8 +35,8 @@ class Layered(Medium):
         squared distance from the centre (circular or hyperbolic functions, exact); n constant from a height to the next
         with Snell's law between (the discrete layers of Berger and Trout).
     kinks : array_like, shape (M,)
-        Of "cubic": those of ``heights`` where the slope of n may jump, as at a tropopause. The spline is made of natural
-        ones that meet there.
+        Of "cubic": those of ``heights`` where the slope of n may jump, as at a tropopause. The spline is made of
+        natural ones that meet there.
     dispersion : Dispersion or str, optional
     bounds : Box, Sphere or Shape, optional
     """
@@ -66,5 +66,6 @@ class Layered(Medium):
             raise ValueError(f"kinks has shape {kinks.shape}; a list of heights is needed")
         missing = np.flatnonzero(~np.isin(kinks, self.heights[1:-1]))
         if missing.size:
-            raise ValueError(f"kinks[{missing[0]}] is {kinks[missing[0]]:g} m; one of heights is needed, neither the first nor the last")
+            raise ValueError(f"kinks[{missing[0]}] is {kinks[missing[0]]:g} m; one of heights is needed, "
+                             "neither the first nor the last")
         return sorted({int(i) for i in np.searchsorted(self.heights, kinks)})
