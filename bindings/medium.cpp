@@ -71,6 +71,38 @@ std::shared_ptr<Medium> make_grid(const py::array_t<double, py::array::forcecast
     });
 }
 
+/* codes (count, 5): operation, target, a, b, c; constants (count, 2): k, l. */
+std::shared_ptr<Medium> make_expression(const py::array_t<int32_t, py::array::c_style | py::array::forcecast> &codes,
+                                        const Doubles &constants, const std::array<int32_t, 4> &results, double feature,
+                                        const cpm_dispersion *dispersion) {
+    if (codes.ndim() != 2 || codes.shape(1) != 5 || constants.ndim() != 2 || constants.shape(1) != 2 ||
+        constants.shape(0) != codes.shape(0))
+        throw py::value_error("a program is (count, 5) codes and (count, 2) constants");
+    std::vector<cpm_instruction> instructions(static_cast<size_t>(codes.shape(0)));
+    for (py::ssize_t i = 0; i < codes.shape(0); i++) {
+        cpm_instruction &instruction = instructions[static_cast<size_t>(i)];
+        instruction = {codes.at(i, 0), codes.at(i, 1), codes.at(i, 2),     codes.at(i, 3),
+                       codes.at(i, 4), 0,              constants.at(i, 0), constants.at(i, 1)};
+    }
+    cpm_expression_desc desc{};
+    desc.struct_size = sizeof desc;
+    desc.instructions = instructions.data();
+    desc.count = instructions.size();
+    std::copy(results.begin(), results.end(), desc.results);
+    desc.feature = feature;
+    return make_medium([&](cpm_context *context, cpm_medium **medium) {
+        return cpm_medium_create_expression(context, &desc, dispersion, medium);
+    });
+}
+
+std::shared_ptr<Medium> make_sum(const std::vector<std::shared_ptr<Medium>> &terms) {
+    std::vector<cpm_medium *> handles;
+    for (const auto &term : terms) handles.push_back(term->handle.get());
+    return make_medium([&](cpm_context *context, cpm_medium **medium) {
+        return cpm_medium_create_sum(context, handles.data(), handles.size(), medium);
+    });
+}
+
 py::tuple evaluate(const Medium &medium, const Doubles &points, double wavelength) {
     Context context;
     const auto count = points.shape(0);
@@ -146,6 +178,9 @@ void bind_medium(py::module_ &module) {
         arg("n"), arg("gradient"), arg("origin"), arg("dispersion").none(true));
     module.def("layered", &make_layered, arg("heights"), arg("n"), arg("up"), arg("origin"), arg("radius"),
                arg("interpolation"), arg("dispersion").none(true), arg("kinks") = std::vector<size_t>{});
+    module.def("expression", &make_expression, arg("codes"), arg("constants"), arg("results"), arg("feature"),
+               arg("dispersion").none(true));
+    module.def("sum", &make_sum, arg("terms"));
     module.def("grid", &make_grid, arg("values"), arg("origin"), arg("spacing"), arg("interpolation"),
                arg("dispersion").none(true));
 }

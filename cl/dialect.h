@@ -86,6 +86,7 @@ static inline double cpm_double_of(cpm_u64 bits) {
         */
 
 #define CPM_INLINE static inline
+#define CPM_ALWAYS_INLINE static inline __attribute__((always_inline)) /* where a call would cost more than it saves */
 #define CPM_OUTLINE static __attribute__((noinline, unused)) /* called, not copied to where it is used */
 typedef CPM_SCALAR scalar;
 typedef CPM_INTEGER integer;

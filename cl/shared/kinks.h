@@ -153,9 +153,8 @@ CPM_INLINE real3 cpm_beyond_kink_of(const cpm_medium_data *m, double rtol, const
 }
 
 /* Of any medium: a sum has the kinks of its terms. */
-CPM_INLINE real cpm_next_kink(const cpm_medium_data *m, CPM_GLOBAL const double *table, double rtol, const cpm_point *a,
-                              mask *near) {
-    if (!CPM_IS_KIND(m, CPM_MEDIUM_SUM)) return cpm_next_kink_of(m, table, rtol, a, near);
+CPM_OUTLINE real cpm_next_kink_of_sum(const cpm_medium_data *m, CPM_GLOBAL const double *table, double rtol,
+                                      const cpm_point *a, mask *near) {
     real next = splat(CPM_NO_KINK);
     mask any = splat_mask(0);
     for (int i = 0; i < m->size[0]; i++) {
@@ -167,14 +166,23 @@ CPM_INLINE real cpm_next_kink(const cpm_medium_data *m, CPM_GLOBAL const double 
     *near = any;
     return next;
 }
-CPM_INLINE real3 cpm_beyond_kink(const cpm_medium_data *m, CPM_GLOBAL const double *table, double rtol,
-                                 const cpm_point *a) {
-    if (!CPM_IS_KIND(m, CPM_MEDIUM_SUM)) return cpm_beyond_kink_of(m, rtol, a);
+CPM_OUTLINE real3 cpm_beyond_kink_of_sum(const cpm_medium_data *m, CPM_GLOBAL const double *table, double rtol,
+                                         const cpm_point *a) {
     cpm_point beyond = *a;
     for (int i = 0; i < m->size[0]; i++) {
         const cpm_term t = cpm_term_at(m, table, i);
         if (cpm_has_kinks(&t.data, rtol)) beyond.r = cpm_beyond_kink_of(&t.data, rtol, &beyond);
     }
     return beyond.r;
+}
+CPM_INLINE real cpm_next_kink(const cpm_medium_data *m, CPM_GLOBAL const double *table, double rtol, const cpm_point *a,
+                              mask *near) {
+    if (CPM_IS_KIND(m, CPM_MEDIUM_SUM)) return cpm_next_kink_of_sum(m, table, rtol, a, near);
+    return cpm_next_kink_of(m, table, rtol, a, near);
+}
+CPM_INLINE real3 cpm_beyond_kink(const cpm_medium_data *m, CPM_GLOBAL const double *table, double rtol,
+                                 const cpm_point *a) {
+    if (CPM_IS_KIND(m, CPM_MEDIUM_SUM)) return cpm_beyond_kink_of_sum(m, table, rtol, a);
+    return cpm_beyond_kink_of(m, rtol, a);
 }
 #endif

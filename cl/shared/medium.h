@@ -4,7 +4,8 @@
 #include "medium_one.h"
 #include "medium_sum.h"
 
-CPM_INLINE real3 cpm_field(const cpm_medium_data *m, CPM_GLOBAL const double *table, real3 r, real scale, real *n) {
+CPM_ALWAYS_INLINE real3 cpm_field(const cpm_medium_data *m, CPM_GLOBAL const double *table, real3 r, real scale,
+                                  real *n) {
     if (CPM_IS_KIND(m, CPM_MEDIUM_SUM)) return cpm_field_sum(m, table, r, scale, n);
     return cpm_field_one(m, table, r, scale, n);
 }

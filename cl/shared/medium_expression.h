@@ -27,65 +27,81 @@ CPM_INLINE real cpm_sign(real a) {
     return pick(less(zero, a), one, pick(less(a, zero), -one, R(0.0) * a));
 }
 
-CPM_INLINE real cpm_operation(int operation, real a, real b, real c, scalar k, scalar l) {
+/* Into out: n, then g. Lanes go in and out one by one, for a struct would be copied in halves of what is then read. */
+CPM_OUTLINE void cpm_run_expression(const cpm_medium_data *m, CPM_GLOBAL const double *table, real x, real y, real z,
+                                    real scale, real *out) {
     const real zero = splat(0.0), one = splat(1.0);
-    switch (operation) {
-    case CPM_OP_CONSTANT: return splat(k);
-    case CPM_OP_ADD: return a + b;
-    case CPM_OP_SUBTRACT: return a - b;
-    case CPM_OP_MULTIPLY: return a * b;
-    case CPM_OP_DIVIDE: return a / b;
-    case CPM_OP_SCALE: return k * a;
-    case CPM_OP_AFFINE: return k * a + l;
-    case CPM_OP_MULTIPLY_ADD: return a * b + c;
-    case CPM_OP_INVERT: return k / a;
-    case CPM_OP_SQRT: return root(a);
-    case CPM_OP_EXP: return exp_lanes(a);
-    case CPM_OP_LOG: return log_lanes(a);
-    case CPM_OP_SIN: return sin_lanes(cpm_angle(a));
-    case CPM_OP_COS: return cos_lanes(cpm_angle(a));
-    case CPM_OP_TAN: return tan_lanes(cpm_angle(a));
-    case CPM_OP_ASIN: return asin_lanes(a);
-    case CPM_OP_ACOS: return acos_lanes(a);
-    case CPM_OP_ATAN2: return atan2_lanes(a, b);
-    case CPM_OP_SINH: return sinh_lanes(a);
-    case CPM_OP_COSH: return cosh_lanes(a);
-    case CPM_OP_TANH: return tanh_lanes(a);
-    case CPM_OP_ABS: return pick(less(a, zero), -a, a);
-    case CPM_OP_MIN: return pick(less(b, a), b, a);
-    case CPM_OP_MAX: return pick(less(a, b), b, a);
-    case CPM_OP_SIGN: return cpm_sign(a);
-    case CPM_OP_LESS: return pick(less(a, b), one, zero);
-    case CPM_OP_POWER: return cpm_power(a, b);
-    default: return zero;
+    real registers[CPM_REGISTERS];
+    const int reads = m->size[2];
+    CPM_GLOBAL const double *at = table + m->records;
+    registers[CPM_REGISTER_X] = x;
+    registers[CPM_REGISTER_Y] = y;
+    registers[CPM_REGISTER_Z] = z;
+    if (reads & CPM_READS_R) registers[CPM_REGISTER_R] = root(x * x + y * y + z * z);
+    registers[CPM_REGISTER_WAVELENGTH] = scale;
+    for (int i = 0; i < m->size[0]; i++, at += CPM_INSTRUCTION) {
+        const cpm_u64 code = cpm_bits_of(at[0]);
+        /* operands and constants are read by the operations that have them */
+#define CPM_A registers[(code >> 16) & 127]
+#define CPM_B registers[(code >> 24) & 127]
+#define CPM_C registers[(code >> 32) & 127]
+#define CPM_K R(at[1])
+#define CPM_L R(at[2])
+        real result;
+        switch ((int)(code & 255)) {
+        case CPM_OP_CONSTANT: result = splat(CPM_K); break;
+        case CPM_OP_ADD: result = CPM_A + CPM_B; break;
+        case CPM_OP_SUBTRACT: result = CPM_A - CPM_B; break;
+        case CPM_OP_MULTIPLY: result = CPM_A * CPM_B; break;
+        case CPM_OP_DIVIDE: result = CPM_A / CPM_B; break;
+        case CPM_OP_SCALE: result = CPM_K * CPM_A; break;
+        case CPM_OP_AFFINE: result = CPM_K * CPM_A + CPM_L; break;
+        case CPM_OP_MULTIPLY_ADD: result = CPM_A * CPM_B + CPM_C; break;
+        case CPM_OP_INVERT: result = CPM_K / CPM_A; break;
+        case CPM_OP_SQRT: result = root(CPM_A); break;
+        case CPM_OP_EXP: result = exp_lanes(CPM_A); break;
+        case CPM_OP_LOG: result = log_lanes(CPM_A); break;
+        case CPM_OP_SIN: result = sin_lanes(cpm_angle(CPM_A)); break;
+        case CPM_OP_COS: result = cos_lanes(cpm_angle(CPM_A)); break;
+        case CPM_OP_TAN: result = tan_lanes(cpm_angle(CPM_A)); break;
+        case CPM_OP_ASIN: result = asin_lanes(CPM_A); break;
+        case CPM_OP_ACOS: result = acos_lanes(CPM_A); break;
+        case CPM_OP_ATAN2: result = atan2_lanes(CPM_A, CPM_B); break;
+        case CPM_OP_SINH: result = sinh_lanes(CPM_A); break;
+        case CPM_OP_COSH: result = cosh_lanes(CPM_A); break;
+        case CPM_OP_TANH: result = tanh_lanes(CPM_A); break;
+        case CPM_OP_ABS: result = pick(less(CPM_A, zero), -CPM_A, CPM_A); break;
+        case CPM_OP_MIN: result = pick(less(CPM_B, CPM_A), CPM_B, CPM_A); break;
+        case CPM_OP_MAX: result = pick(less(CPM_A, CPM_B), CPM_B, CPM_A); break;
+        case CPM_OP_SIGN: result = cpm_sign(CPM_A); break;
+        case CPM_OP_LESS: result = pick(less(CPM_A, CPM_B), one, zero); break;
+        case CPM_OP_POWER: result = cpm_power(CPM_A, CPM_B); break;
+        default: result = zero; break;
+        }
+        registers[(code >> 8) & 127] = result;
+#undef CPM_A
+#undef CPM_B
+#undef CPM_C
+#undef CPM_K
+#undef CPM_L
     }
+    const int results = m->size[1]; /* eight bits each */
+    const real s = (reads & CPM_READS_WAVELENGTH) ? one : scale, index = R(1.0) + s * registers[results & 127];
+    const real by = s * index, most = splat(CPM_LARGEST_INDEX);
+    real gx = by * registers[(results >> 8) & 127], gy = by * registers[(results >> 16) & 127];
+    real gz = by * registers[(results >> 24) & 127];
+    mask good = less(zero, index) & less(index, most) & less(magnitude(gx) + magnitude(gy) + magnitude(gz), most);
+    out[0] = pick(good, index, zero);
+    out[1] = pick(good, gx, zero);
+    out[2] = pick(good, gy, zero);
+    out[3] = pick(good, gz, zero);
 }
 
 CPM_INLINE real3 cpm_field_expression(const cpm_medium_data *m, CPM_GLOBAL const double *table, real3 r, real scale,
                                       real *n) {
-    real registers[CPM_REGISTERS];
-    const int reads = m->size[2];
-    CPM_GLOBAL const double *at = table + m->records;
-    registers[CPM_REGISTER_X] = r.x;
-    registers[CPM_REGISTER_Y] = r.y;
-    registers[CPM_REGISTER_Z] = r.z;
-    registers[CPM_REGISTER_R] = (reads & CPM_READS_R) ? root(dot3(r, r)) : r.x;
-    registers[CPM_REGISTER_WAVELENGTH] = scale;
-    for (int i = 0; i < m->size[0]; i++, at += CPM_INSTRUCTION) {
-        const cpm_u64 code = cpm_bits_of(at[0]);
-        registers[(code >> 8) & 127] =
-            cpm_operation((int)(code & 255), registers[(code >> 16) & 127], registers[(code >> 24) & 127],
-                          registers[(code >> 32) & 127], R(at[1]), R(at[2]));
-    }
-    const int out = m->size[1]; /* the four results, eight bits each */
-    real3 slope = triple(registers[(out >> 8) & 127], registers[(out >> 16) & 127], registers[(out >> 24) & 127]);
-    real s = (reads & CPM_READS_WAVELENGTH) ? splat(1.0) : scale;
-    real index = R(1.0) + s * registers[out & 127];
-    slope = scale3(s * index, slope);
-    const real zero = splat(0.0), most = splat(CPM_LARGEST_INDEX);
-    mask good = less(zero, index) & less(index, most) &
-                less(magnitude(slope.x) + magnitude(slope.y) + magnitude(slope.z), most);
-    *n = pick(good, index, zero);
-    return pick3(good, slope, triple(zero, zero, zero));
+    real out[4];
+    cpm_run_expression(m, table, r.x, r.y, r.z, scale, out);
+    *n = out[0];
+    return triple(out[1], out[2], out[3]);
 }
 #endif

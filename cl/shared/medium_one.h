@@ -16,16 +16,8 @@
 #define CPM_HAS_KIND(k) ((CPM_MEDIA >> (k)) & 1)
 #define CPM_IS_KIND(m, k) (CPM_HAS_KIND(k) && (m)->kind == (k))
 
-/* Kinds that cost more than a call: one copy of each, not one for each place that a method evaluates. */
-CPM_OUTLINE real3 cpm_field_long(const cpm_medium_data *m, CPM_GLOBAL const double *table, real3 r, real scale,
-                                 real *n) {
-#if CPM_HAS_KIND(CPM_MEDIUM_EXPRESSION)
-    if (CPM_IS_KIND(m, CPM_MEDIUM_EXPRESSION)) return cpm_field_expression(m, table, r, scale, n);
-#endif
-    return cpm_field_shells(m, table, r, scale, n);
-}
-
-CPM_INLINE real3 cpm_field_one(const cpm_medium_data *m, CPM_GLOBAL const double *table, real3 r, real scale, real *n) {
+CPM_ALWAYS_INLINE real3 cpm_field_one(const cpm_medium_data *m, CPM_GLOBAL const double *table, real3 r, real scale,
+                                      real *n) {
     if (CPM_IS_KIND(m, CPM_MEDIUM_LINEAR_SQUARED)) return cpm_field_linear_squared(m, r, scale, n);
     if (CPM_IS_KIND(m, CPM_MEDIUM_LINEAR)) return cpm_field_linear(m, r, scale, n);
     if (CPM_IS_KIND(m, CPM_MEDIUM_LAYERED)) return cpm_field_layered(m, table, r, scale, n);
@@ -33,8 +25,8 @@ CPM_INLINE real3 cpm_field_one(const cpm_medium_data *m, CPM_GLOBAL const double
         if (m->interpolation == CPM_FIELD_CUBIC) return cpm_field_grid_cubic(m, table, r, scale, n);
         return cpm_field_grid_linear(m, table, r, scale, n);
     }
-    if (CPM_IS_KIND(m, CPM_MEDIUM_SHELLS) || CPM_IS_KIND(m, CPM_MEDIUM_EXPRESSION))
-        return cpm_field_long(m, table, r, scale, n);
+    if (CPM_IS_KIND(m, CPM_MEDIUM_SHELLS)) return cpm_field_shells(m, table, r, scale, n);
+    if (CPM_IS_KIND(m, CPM_MEDIUM_EXPRESSION)) return cpm_field_expression(m, table, r, scale, n);
     return cpm_field_homogeneous(m, scale, n);
 }
 #endif

@@ -31,8 +31,8 @@ CPM_INLINE cpm_shell_place cpm_shell_at(const cpm_medium_data *m, real3 r) {
     return s;
 }
 
-CPM_INLINE real3 cpm_field_shells(const cpm_medium_data *m, CPM_GLOBAL const double *table, real3 r, real scale,
-                                  real *n) {
+CPM_OUTLINE real3 cpm_field_shells(const cpm_medium_data *m, CPM_GLOBAL const double *table, real3 r, real scale,
+                                   real *n) {
     cpm_shell_place s = cpm_shell_at(m, r);
     real c[4];
     mask layer = cpm_layer_of(m, table, s.height);

@@ -225,7 +225,7 @@ static cpm_status check_started(const trace_work *w) {
             const double *r = w->starts[i].r;
             if (!(cpm_medium_n_toward(w->medium, w->starts[i].scale, r, w->starts[i].d) > 0.0))
                 return cpm_fail(w->context, CPM_ERROR_INVALID_ARGUMENT,
-                                "origins[%zu] is (%g, %g, %g), where n^2 <= 0; a ray must start where n > 0", i, r[0],
+                                "origins[%zu] is (%g, %g, %g), where n is not positive and finite (n^2 <= 0); a ray must start where n > 0", i, r[0],
                                 r[1], r[2]);
         }
     return CPM_OK;

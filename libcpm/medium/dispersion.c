@@ -91,12 +91,12 @@ cpm_status cpm_dispersion_check(cpm_context *context, const cpm_dispersion *d, d
 }
 
 cpm_status cpm_medium_scale(cpm_context *context, const cpm_medium *medium, double wavelength, double *scale) {
-    *scale = 1.0;
-    if (!medium->dispersive) {
+    *scale = medium->by_wavelength ? wavelength : 1.0;
+    if (!medium->dispersive || medium->by_wavelength) {
         if (!(wavelength > 0.0) || !isfinite(wavelength))
             return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "wavelength is %g nm; must be finite and > 0",
                             wavelength);
-        return CPM_OK;
+        return medium->by_wavelength ? cpm_sum_check(context, medium, wavelength) : CPM_OK;
     }
     double n = 1.0;
     cpm_status status = cpm_dispersion_check(context, &medium->dispersion, wavelength, &n);

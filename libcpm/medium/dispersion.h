@@ -10,6 +10,9 @@ int cpm_dispersion_varies(const cpm_dispersion *dispersion);
 /* n at a wavelength (nm) in range, finite and > 0; else a message. */
 cpm_status cpm_dispersion_check(cpm_context *context, const cpm_dispersion *dispersion, double wavelength, double *n);
 
+/* Does every term of a sum have a dispersion that is valid at this wavelength? Of other media: nothing to say. */
+cpm_status cpm_sum_check(cpm_context *context, const cpm_medium *medium, double wavelength);
+
 /* Defined by n^2: the dispersion scales n^2 - 1. */
 static inline int cpm_medium_by_square(const cpm_medium_data *data) {
     return data->kind == CPM_MEDIUM_LINEAR_SQUARED ||

@@ -15,7 +15,8 @@ struct cpm_medium {
     double *table; /* aligned to 64 bytes; NULL: none */
     size_t table_count;
     cpm_dispersion dispersion;
-    double reference; /* what the dispersion gives at the d line: n - 1, or n^2 - 1 for a medium defined by n^2 */
+    int32_t by_wavelength; /* 1: the field takes the wavelength itself (nm) for its scale: formulas and sums */
+    double reference;      /* what the dispersion gives at the d line: n - 1, or n^2 - 1 for a medium defined by n^2 */
 };
 
 /* The factor s of a wavelength (nm). Out of the dispersion's range: CPM_ERROR_INVALID_ARGUMENT. 1 where nothing

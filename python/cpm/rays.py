@@ -1,6 +1,7 @@
 """Curved rays, alone in a medium or in a scene."""
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -11,7 +12,7 @@ import numpy.typing as npt
 from . import _core
 from ._arrays import FloatArray, as_integer, as_number, as_points, as_vector, per_ray
 from ._progress import ProgressLike, reporting
-from .media import Medium, as_medium
+from .media import Expression, Medium, Sum, as_medium
 from .scene import Scene
 from .devices import device_index
 from .status import exclusion_bits, method_code
@@ -20,6 +21,8 @@ __all__ = ["Rays", "trace"]
 
 #: ``path=True`` asks for so many samples.
 DEFAULT_PATH_SAMPLES = 64
+#: Metres from where on a formula of r gets a warning in single precision.
+FAR_FOR_FLOATS = 1e5
 
 
 @dataclass(frozen=True, repr=False)
@@ -152,6 +155,8 @@ def trace(medium_or_scene: Medium | Scene | Any, origins: npt.ArrayLike, directi
     if error not in _core.ERROR_MODES:
         raise ValueError(f"error is {error!r}; {', '.join(_core.ERROR_MODES)} are allowed")
 
+    if precision == "single" and scene is None:
+        _warn_of_floats(as_medium(medium_or_scene), starts)
     with reporting(progress) as report:
         arrays = _core.trace(
             medium=None if scene is not None else as_medium(medium_or_scene)._handle,
@@ -179,6 +184,18 @@ def trace(medium_or_scene: Medium | Scene | Any, origins: npt.ArrayLike, directi
     arrays["method"] = _names_of(arrays["method"])
     arrays.setdefault("paths", None)
     return Rays(**arrays)
+
+
+def _warn_of_floats(medium: Medium, starts: FloatArray) -> None:
+    """A formula of r at the scale of the Earth: r − R keeps no digits in float lanes."""
+    terms = medium.terms if isinstance(medium, Sum) else (medium,)
+    if not any(isinstance(term, Expression) and "r" in term._names for term in terms):
+        return
+    distance = float(np.max(np.linalg.norm(starts, axis=1), initial=0.0))
+    if distance > FAR_FOR_FLOATS:
+        warnings.warn(f"precision is 'single' and the formula depends on r, which is {distance:.3g} m at a start: a float holds "
+                      f"that to {distance * 6e-8:.1g} m; use precision='double', or Layered(..., radius=...)", RuntimeWarning,
+                      stacklevel=3)
 
 
 def _option(value: float | None, name: str) -> float:

@@ -155,6 +155,15 @@ def test_scene_ends_at_the_top():
     assert small.extent.high == (1, 9, 1)
 
 
+def test_sum_with_a_hot_road():
+    """An atmosphere plus a warm layer: refractivities add, and the scene ends where the atmosphere does."""
+    air, road = Atmosphere(USStandard1976()), cpm.media.Layered([0.0, 0.1, 1.0], [0.99998, 0.999995, 1.0])
+    both, points = air + road, [[0.0, 0.05, 0.0], [3.0, 0.5, 0.0], [0.0, 200.0, 0.0]]
+    n, _ = both.evaluate(points)
+    np.testing.assert_allclose(n - 1, (air.evaluate(points)[0] - 1) + (road.evaluate(points)[0] - 1), rtol=0, atol=5e-16)
+    assert both.extent.high == air.extent.high and cpm.Scene(both).extent.low == air.extent.low
+
+
 @pytest.mark.parametrize(
     ("arguments", "error", "message"),
     [

@@ -193,6 +193,118 @@ static void media_tables(void **state) {
     cpm_context_release(context);
 }
 
+static void media_shells(void **state) {
+    (void)state;
+    cpm_context *context = new_context();
+    cpm_medium *m = NULL;
+    const double heights[] = {-1.0, 0.0, 2.0}, n[] = {1.3, 1.2, 1.1};
+    const cpm_layered_desc good = {
+        .struct_size = sizeof good, .heights = heights, .n = n, .count = 3, .interpolation = 1, .radius = 5.0};
+    cpm_layered_desc d = good;
+    assert_ok(context, cpm_medium_create_layered(context, &d, NULL, &m));
+    cpm_medium_release(m);
+    const double radii[] = {-5.0, NAN, INFINITY, -INFINITY, 1.0, 0x1p-1074};
+    for (size_t i = 0; i < COUNT_OF(radii); i++) {
+        d = good, d.radius = radii[i];
+        assert_refused(context, m, cpm_medium_create_layered(context, &d, NULL, &m));
+    }
+    d = good, d.struct_size = offsetof(cpm_layered_desc, radius); /* a program compiled before there was one: flat */
+    d.radius = NAN;
+    assert_ok(context, cpm_medium_create_layered(context, &d, NULL, &m));
+    cpm_medium_release(m);
+    cpm_context_release(context);
+}
+
+static void media_expression(void **state) {
+    (void)state;
+    cpm_context *context = new_context();
+    cpm_medium *m = NULL;
+    const cpm_instruction first = {.operation = CPM_OPERATION_SCALE, .target = 5, .a = 1, .k = 0.1};
+    cpm_instruction code[2] = {first, {.operation = CPM_OPERATION_CONSTANT, .target = 6, .k = 0.1}};
+    const cpm_expression_desc good = {
+        .struct_size = sizeof good, .instructions = code, .count = 2, .results = {5, 2, 6, 2}};
+    cpm_expression_desc d = good;
+    assert_status(context, REFUSED, cpm_medium_create_expression(context, &d, NULL, NULL));
+    assert_refused(context, m, cpm_medium_create_expression(context, NULL, NULL, &m));
+    assert_ok(context, cpm_medium_create_expression(context, &d, NULL, &m));
+    cpm_medium_release(m);
+    const size_t counts[] = {0, CPM_MAX_INSTRUCTIONS + 1, SIZE_MAX};
+    for (size_t i = 0; i < COUNT_OF(counts); i++) {
+        d = good, d.count = counts[i];
+        assert_refused(context, m, cpm_medium_create_expression(context, &d, NULL, &m));
+    }
+    d = good, d.instructions = NULL;
+    assert_refused(context, m, cpm_medium_create_expression(context, &d, NULL, &m));
+    const int32_t registers[] = {-1, 7, 127, 128, 255, INT32_MAX, INT32_MIN};
+    for (size_t i = 0; i < COUNT_OF(registers); i++) {
+        for (int k = 0; k < 4; k++) {
+            d = good, d.results[k] = registers[i];
+            assert_refused(context, m, cpm_medium_create_expression(context, &d, NULL, &m));
+        }
+        code[0] = first, code[0].a = registers[i];
+        assert_refused(context, m, cpm_medium_create_expression(context, &good, NULL, &m));
+    }
+    const int32_t targets[] = {-1, 0, 4, 128, INT32_MAX, INT32_MIN};
+    for (size_t i = 0; i < COUNT_OF(targets); i++) {
+        code[0] = first, code[0].target = targets[i];
+        assert_refused(context, m, cpm_medium_create_expression(context, &good, NULL, &m));
+    }
+    const int32_t operations[] = {0, -1, 10, 19, 38, 256 + CPM_OPERATION_SCALE, INT32_MAX, INT32_MIN};
+    for (size_t i = 0; i < COUNT_OF(operations); i++) {
+        code[0] = first, code[0].operation = operations[i];
+        assert_refused(context, m, cpm_medium_create_expression(context, &good, NULL, &m));
+    }
+    for (size_t i = 0; i < COUNT_OF(not_numbers); i++) {
+        code[0] = first, code[0].k = not_numbers[i];
+        assert_refused(context, m, cpm_medium_create_expression(context, &good, NULL, &m));
+        code[0] = first, code[0].l = not_numbers[i];
+        assert_refused(context, m, cpm_medium_create_expression(context, &good, NULL, &m));
+        code[0] = first;
+        d = good, d.feature = not_numbers[i];
+        assert_refused(context, m, cpm_medium_create_expression(context, &d, NULL, &m));
+    }
+    const cpm_dispersion glass = {
+        .struct_size = sizeof glass, .kind = CPM_DISPERSION_CAUCHY, .count = 2, .coefficients = {1.5, 0.01}};
+    assert_ok(context, cpm_medium_create_expression(context, &good, &glass, &m));
+    cpm_medium_release(m);
+    code[0].a = 4; /* the wavelength: it disperses by itself */
+    assert_refused(context, m, cpm_medium_create_expression(context, &good, &glass, &m));
+    cpm_context_release(context);
+}
+
+static void media_sum(void **state) {
+    (void)state;
+    cpm_context *context = new_context();
+    cpm_medium *m = NULL, *term = NULL, *layers = NULL;
+    const double heights[] = {0.0, 1.0}, n[] = {1.3, 1.2};
+    const cpm_layered_desc step = {
+        .struct_size = sizeof step, .heights = heights, .n = n, .count = 2, .interpolation = CPM_INTERPOLATION_STEP};
+    assert_ok(context, cpm_medium_create_linear(context, 1.3, up, origin, NULL, &term));
+    assert_ok(context, cpm_medium_create_layered(context, &step, NULL, &layers));
+    cpm_medium *terms[CPM_MAX_TERMS + 1];
+    for (size_t i = 0; i < COUNT_OF(terms); i++) terms[i] = term;
+    assert_status(context, REFUSED, cpm_medium_create_sum(context, terms, 2, NULL));
+    assert_refused(context, m, cpm_medium_create_sum(context, NULL, 2, &m));
+    assert_refused(context, m, cpm_medium_create_sum(context, terms, 0, &m));
+    assert_refused(context, m, cpm_medium_create_sum(context, terms, CPM_MAX_TERMS + 1, &m));
+    assert_refused(context, m, cpm_medium_create_sum(context, terms, SIZE_MAX, &m));
+    terms[1] = NULL;
+    assert_refused(context, m, cpm_medium_create_sum(context, terms, 2, &m));
+    terms[1] = layers;
+    m = term;
+    assert_status(context, CPM_ERROR_UNSUPPORTED, cpm_medium_create_sum(context, terms, 2, &m));
+    assert_null(m);
+    terms[1] = term;
+    assert_ok(context, cpm_medium_create_sum(context, terms, CPM_MAX_TERMS, &m));
+    terms[0] = m, terms[1] = term; /* one too many, once it is taken apart */
+    cpm_medium *more = NULL;
+    assert_refused(context, more, cpm_medium_create_sum(context, terms, 2, &more));
+    cpm_medium_release(m);
+    cpm_medium_release(layers);
+    cpm_medium_release(term);
+    cpm_context_release(context);
+}
+
 static void medium_evaluate(void **state) {
     (void)state;
     cpm_context *context = new_context();
@@ -293,8 +405,11 @@ static void rays(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(media_simple), cmocka_unit_test(media_dispersion), cmocka_unit_test(media_catalogue),
-        cmocka_unit_test(media_tables), cmocka_unit_test(medium_evaluate),
+        cmocka_unit_test(media_simple), cmocka_unit_test(media_dispersion),
+        cmocka_unit_test(media_catalogue),
+        cmocka_unit_test(media_tables), cmocka_unit_test(media_shells),
+        cmocka_unit_test(media_expression), cmocka_unit_test(media_sum),
+        cmocka_unit_test(medium_evaluate),
         cmocka_unit_test(rays),
     };
     return cmocka_run_group_tests_name("null_medium", tests, NULL, NULL);

@@ -15,24 +15,61 @@ static cpm_dispersion *take_dispersion(bytes *b, cpm_dispersion *d) {
     return d;
 }
 
-static cpm_status take_medium(bytes *b, cpm_context *context, cpm_medium **medium) {
+/* Any program, mostly one that reads what has been written. */
+static cpm_status take_expression(bytes *b, cpm_context *context, const cpm_dispersion *dispersion,
+                                  cpm_medium **medium) {
+    cpm_instruction code[SAMPLES];
+    cpm_expression_desc d = {.struct_size = sizeof d, .instructions = code, .count = take_below(b, SAMPLES)};
+    for (size_t i = 0; i < d.count; i++) {
+        const uint32_t known = 5 + (uint32_t)i, wild = take_below(b, 64) == 0 ? 256 : 0;
+        code[i] = (cpm_instruction){.operation = (int32_t)take_below(b, 38 + wild),
+                                    .target = (int32_t)(wild ? take_below(b, 200) : known),
+                                    .a = (int32_t)take_below(b, known + wild),
+                                    .b = (int32_t)take_below(b, known + wild),
+                                    .c = (int32_t)take_below(b, known + wild),
+                                    .k = take_number(b),
+                                    .l = take_number(b)};
+        if (code[i].operation > 9 && code[i].operation < 20) code[i].operation += 18;
+        if (code[i].operation == 0) code[i].operation = CPM_OPERATION_MULTIPLY;
+    }
+    for (int k = 0; k < 4; k++) d.results[k] = (int32_t)take_below(b, 5 + (uint32_t)d.count);
+    d.feature = take_below(b, 2) ? 0.0 : take_number(b);
+    return cpm_medium_create_expression(context, &d, dispersion, medium);
+}
+
+static cpm_status take_medium(bytes *b, cpm_context *context, int depth, cpm_medium **medium);
+
+static cpm_status take_sum(bytes *b, cpm_context *context, int depth, cpm_medium **medium) {
+    cpm_medium *terms[4] = {NULL, NULL, NULL, NULL};
+    size_t count = 1 + take_below(b, 4), made = 0;
+    for (size_t i = 0; i < count; i++)
+        if (take_medium(b, context, depth + 1, &terms[made]) == CPM_OK) made++;
+    const cpm_status status = cpm_medium_create_sum(context, terms, made, medium);
+    for (size_t i = 0; i < made; i++) cpm_medium_release(terms[i]);
+    return status;
+}
+
+static cpm_status take_medium(bytes *b, cpm_context *context, int depth, cpm_medium **medium) {
     cpm_dispersion space;
     cpm_dispersion *dispersion = take_dispersion(b, &space);
     double vector[3], origin[3], heights[SAMPLES], values[SAMPLES];
-    const uint32_t kind = take_below(b, 6);
+    const uint32_t kind = take_below(b, depth < 3 ? 8 : 7);
     take_point(b, vector);
     take_point(b, origin);
     if (kind == 0) return cpm_medium_create_homogeneous(context, take_index(b), dispersion, medium);
     if (kind == 1) return cpm_medium_create_dispersive(context, dispersion, medium);
     if (kind == 2) return cpm_medium_create_linear(context, take_index(b), vector, origin, dispersion, medium);
     if (kind == 3) return cpm_medium_create_linear_squared(context, take_index(b), vector, origin, dispersion, medium);
+    if (kind == 6) return take_expression(b, context, dispersion, medium);
+    if (kind == 7) return take_sum(b, context, depth, medium);
     for (size_t i = 0; i < SAMPLES; i++) values[i] = take_index(b);
     if (kind == 4) {
         cpm_layered_desc d = {.struct_size = sizeof d,
                               .heights = heights,
                               .n = values,
                               .count = take_below(b, SAMPLES),
-                              .interpolation = (int32_t)take_below(b, 5)};
+                              .interpolation = (int32_t)take_below(b, 5),
+                              .radius = take_below(b, 2) ? fabs(take_number(b)) : 0.0};
         double height = take_number(b);
         for (size_t i = 0; i < SAMPLES; i++) heights[i] = height += fabs(take_number(b));
         memcpy(d.up, vector, sizeof d.up);
@@ -86,7 +123,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     cpm_context *context = NULL;
     require(cpm_context_create(&options, &context) == CPM_OK);
     cpm_medium *medium = NULL;
-    if (take_medium(&b, context, &medium) == CPM_OK) {
+    if (take_medium(&b, context, 0, &medium) == CPM_OK) {
         double point[3], n, gradient[3];
         take_point(&b, point);
         /* NaN is an answer: a linear field has n^2 <= 0 somewhere. */

@@ -40,6 +40,16 @@ class GridDesc(ct.Structure):
                 ("origin", ct.c_double * 3), ("spacing", ct.c_double * 3), ("interpolation", ct.c_int32), ("reserved", ct.c_int32)]
 
 
+class Instruction(ct.Structure):
+    _fields_ = [("operation", ct.c_int32), ("target", ct.c_int32), ("a", ct.c_int32), ("b", ct.c_int32), ("c", ct.c_int32),
+                ("reserved", ct.c_int32), ("k", ct.c_double), ("l", ct.c_double)]
+
+
+class ExpressionDesc(ct.Structure):
+    _fields_ = [("struct_size", ct.c_size_t), ("instructions", ct.POINTER(Instruction)), ("count", ct.c_size_t),
+                ("results", ct.c_int32 * 4), ("feature", ct.c_double)]
+
+
 class MediumData(ct.Structure):
     _fields_ = [("kind", ct.c_int32), ("interpolation", ct.c_int32), ("size", ct.c_int32 * 3), ("uniform", ct.c_int32),
                 ("origin", ct.c_double * 3), ("axis", ct.c_double * 3), ("value", ct.c_double), ("feature", ct.c_double),
@@ -124,6 +134,15 @@ class Library:
         v = np.asarray(values, float)
         desc = GridDesc(ct.sizeof(GridDesc), v.ctypes.data_as(F64P), v.shape, v.strides, tuple(origin), tuple(spacing), interpolation, 0)
         return self._made("cpm_medium_create_grid", ct.byref(desc), dispersion)
+
+    def expression(self, program, results, dispersion=None):
+        """program: (operation, target, a, b, c, k, l) each."""
+        code = (Instruction * len(program))(*(Instruction(*line[:5], 0, *line[5:]) for line in program))
+        desc = ExpressionDesc(ct.sizeof(ExpressionDesc), code, len(program), tuple(results), 0.0)
+        return self._made("cpm_medium_create_expression", ct.byref(desc), dispersion)
+
+    def sum(self, *terms):
+        return self._made("cpm_medium_create_sum", (ct.c_void_p * len(terms))(*terms), ct.c_size_t(len(terms)))
 
     @staticmethod
     def inside(medium):

@@ -78,6 +78,27 @@ def samples():
     return 1.2 + 0.2 * np.exp(-(x * x + 1.5 * y * y + z * z + 0.3 * x * y))
 
 
+def every_operation(weight=0.01):
+    """A program that runs each operation once; N = 0.3 + 0.1 x + weight times their sum, the gradient that of 0.1 x."""
+    lines = [(6, 5, 0, 0, 0, 0.2, 0), (7, 6, 1, 0, 0, 0.1, 1.5), (1, 7, 0, 0, 0, 0.75, 0), (7, 8, 2, 0, 0, 0.2, 0.1)]  # -0.8..0.8, 1.1..1.9
+    two = [(2, 5, 6), (3, 5, 6), (4, 5, 8), (5, 5, 6), (28, 5, 8), (33, 5, 8), (34, 5, 8), (36, 5, 8), (37, 6, 8)]
+    lines += [(op, 10 + i, a, b, 0, 0, 0) for i, (op, a, b) in enumerate(two)]
+    lines += [(8, 19, 5, 8, 7, 0, 0), (9, 20, 6, 0, 0, 0.5, 0)]
+    one = {20: 6, 21: 5, 22: 6, 23: 5, 24: 8, 25: 5, 26: 5, 27: 5, 29: 5, 30: 6, 31: 8, 32: 5, 35: 8}
+    lines += [(op, 21 + i, a, 0, 0, 0, 0) for i, (op, a) in enumerate(one.items())]
+    last = 20 + len(one)
+    lines += [(2, 10, 10, i, 0, 0, 0) for i in range(11, last + 1)] + [(2, 10, 10, 3, 0, 0, 0), (7, 9, 10, 0, 0, weight, 0.3)]
+    return lines + [(6, 11, 0, 0, 0, 0.1, 0), (2, 9, 9, 11, 0, 0, 0), (1, 12, 0, 0, 0, 0.1, 0), (6, 13, 10, 0, 0, weight, 0),
+                    (2, 12, 12, 13, 0, 0, 0)], (9, 12, 13, 13)
+
+
+def mixed(library):
+    """A sum of what has tables, kinks and a formula."""
+    return library.sum(library.layered(*heights_and_n(), 1, up=(0.1, 1, 0.2), radius=3.5), library.expression(*every_operation(1e-10)),
+                       library.layered(*heights_and_n(), 2, up=(0.1, 1, 0.2)), library.grid(samples(), (-1, -1, -1), SPACING, 0),
+                       library.linear(1.1, (0.03, -0.1, 0.02)))
+
+
 SPACING = (2 / 8, 2 / 10, 2 / 7)
 MEDIA = {
     "homogeneous": lambda L: L.homogeneous(1.33),
@@ -89,6 +110,8 @@ MEDIA = {
     "shells-cubic": lambda L: L.layered(*heights_and_n(), 1, up=(0.1, 1, 0.2), origin=(0.3, 0, 0.1), radius=3.5),
     "shells-linear-squared": lambda L: L.layered(*heights_and_n(), 2, up=(0.1, 1, 0.2), radius=3.5),
     "shells-step": lambda L: L.layered(*heights_and_n(), 3, up=(0.1, 1, 0.2), radius=3.5),
+    "expression": lambda L: L.expression(*every_operation(1e-10)),
+    "sum": mixed,
     "grid-linear": lambda L: L.grid(samples(), (-1, -1, -1), SPACING, 0),
     "grid-cubic": lambda L: L.grid(samples(), (-1, -1, -1), SPACING, 1),
 }
@@ -184,7 +207,7 @@ def test_same_bits_to_a_plane(context, programs, library, medium, method):
 
 
 @pytest.mark.parametrize("isa", ["baseline", "v3", "v4"])
-@pytest.mark.parametrize("medium", ["linear", "layered-cubic", "grid-linear", "grid-cubic", "shells-cubic"])
+@pytest.mark.parametrize("medium", ["linear", "layered-cubic", "grid-linear", "grid-cubic", "shells-cubic", "expression", "sum"])
 def test_instruction_sets_agree(library, medium, isa, tmp_path):
     """CPM_ISA=... in a process of its own, one thread: the bits of this process."""
     import subprocess
@@ -204,11 +227,14 @@ def test_instruction_sets_agree(library, medium, isa, tmp_path):
         np.testing.assert_array_equal(np.load(f"{out}{single}.npy"), np.hstack([r.position, r.momentum, r.evaluations[:, None]]))
 
 
-@pytest.mark.parametrize("medium", [m for m in MEDIA if not m.endswith("-step")])  # discrete layers have no field
+FIELDS = {m: make for m, make in MEDIA.items() if not m.endswith("-step")} | {"operations": lambda L: L.expression(*every_operation(1.0))}
+
+
+@pytest.mark.parametrize("medium", FIELDS)  # discrete layers have no field
 @pytest.mark.parametrize("width", [1, 8])
 def test_field_same_bits(context, programs, library, medium, width):
     """n at random points, inside and outside tables: kernel and cpm_medium_evaluate."""
-    m = MEDIA[medium](library)
+    m = FIELDS[medium](library)
     data, table = library.inside(m)
     points = np.random.default_rng(3).uniform(-4, 4, (64, 3))
     packed, out = np.hstack([points, np.ones((64, 1))]), np.zeros((64, 4))

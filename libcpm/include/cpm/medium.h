@@ -97,6 +97,67 @@ typedef struct cpm_grid_desc {
 CPM_API cpm_status cpm_medium_create_grid(cpm_context *context, const cpm_grid_desc *desc,
                                           const cpm_dispersion *dispersion, cpm_medium **medium);
 
+/* A formula, as a program: instructions over registers that leave the refractivity N = n - 1 and its gradient in four of
+ * them. Registers 0 to 4 hold x, y, z (metres), r = sqrt(x^2 + y^2 + z^2) and the wavelength (nm); those from 5 to 127 are
+ * free, each written before it is read. A value that is NaN or infinite, or n <= 0, met on the way ends the ray (CUTOFF).
+ * (The Python package makes programs from text; so may anyone.) */
+typedef enum cpm_operation {
+    CPM_OPERATION_CONSTANT = 1,     /* k */
+    CPM_OPERATION_ADD = 2,          /* a + b */
+    CPM_OPERATION_SUBTRACT = 3,     /* a - b */
+    CPM_OPERATION_MULTIPLY = 4,     /* a b */
+    CPM_OPERATION_DIVIDE = 5,       /* a/b */
+    CPM_OPERATION_SCALE = 6,        /* k a */
+    CPM_OPERATION_AFFINE = 7,       /* k a + l */
+    CPM_OPERATION_MULTIPLY_ADD = 8, /* a b + c, rounded twice */
+    CPM_OPERATION_INVERT = 9,       /* k/a */
+    CPM_OPERATION_SQRT = 20,
+    CPM_OPERATION_EXP = 21,
+    CPM_OPERATION_LOG = 22,
+    CPM_OPERATION_SIN = 23, /* angles up to 1e6, in single precision 1e3; NaN beyond */
+    CPM_OPERATION_COS = 24,
+    CPM_OPERATION_TAN = 25,
+    CPM_OPERATION_ASIN = 26,
+    CPM_OPERATION_ACOS = 27,
+    CPM_OPERATION_ATAN2 = 28, /* of a over b */
+    CPM_OPERATION_SINH = 29,
+    CPM_OPERATION_COSH = 30,
+    CPM_OPERATION_TANH = 31,
+    CPM_OPERATION_ABS = 32,
+    CPM_OPERATION_MIN = 33,
+    CPM_OPERATION_MAX = 34,
+    CPM_OPERATION_SIGN = 35, /* -1, 0, 1 */
+    CPM_OPERATION_LESS = 36, /* 1 where a < b, else 0 */
+    CPM_OPERATION_POWER = 37 /* a^b, a >= 0 */
+} cpm_operation;
+
+typedef struct cpm_instruction {
+    int32_t operation;       /* cpm_operation */
+    int32_t target, a, b, c; /* registers; those that the operation does not take are ignored */
+    int32_t reserved;
+    double k, l;
+} cpm_instruction;
+
+#define CPM_MAX_INSTRUCTIONS 4096
+
+typedef struct cpm_expression_desc {
+    size_t struct_size;
+    const cpm_instruction *instructions;
+    size_t count;       /* 1 to CPM_MAX_INSTRUCTIONS */
+    int32_t results[4]; /* registers of N, dN/dx, dN/dy, dN/dz */
+    double feature;     /* metres over which n may change its shape: bounds the first step; 0: unknown */
+} cpm_expression_desc;
+/* A program that reads the wavelength disperses by itself: `dispersion` must be NULL then. */
+CPM_API cpm_status cpm_medium_create_expression(cpm_context *context, const cpm_expression_desc *desc,
+                                                const cpm_dispersion *dispersion, cpm_medium **medium);
+
+#define CPM_MAX_TERMS 64
+
+/* n = 1 + sum (n_i - 1), each term at its own dispersion. Sums are taken apart into their terms, at most CPM_MAX_TERMS in
+ * all; discrete layers (step) have no gradient and cannot be a term. The terms are copied: release them as you like. */
+CPM_API cpm_status cpm_medium_create_sum(cpm_context *context, cpm_medium *const *terms, size_t count,
+                                         cpm_medium **medium);
+
 CPM_API void cpm_medium_retain(cpm_medium *medium);
 CPM_API void cpm_medium_release(cpm_medium *medium);
 

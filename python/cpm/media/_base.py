@@ -59,6 +59,18 @@ class Medium:
         """
         return self._handle.evaluate(as_points(points, "points"), as_number(wavelength, "wavelength"))
 
+    def __add__(self, other: Any) -> Medium:
+        """Refractivities added: :class:`cpm.media.Sum`."""
+        if not isinstance(other, Medium):
+            return NotImplemented
+        from .sum import Sum
+
+        return Sum(self, other)
+
+    def __radd__(self, other: Any) -> Medium:
+        """``sum(media)`` starts at 0."""
+        return self if isinstance(other, int) and other == 0 else NotImplemented
+
     def __repr__(self) -> str:
         shown = [f"{name}={value!r}" for name, value in vars(self).items()
                  if not name.startswith("_") and value is not None and not hasattr(value, "shape")]

@@ -170,6 +170,13 @@ class _Builder:
                 case models.AtmosphereTable():
                     return media.Atmosphere(self.profile(table.profile, f"{key}.profile"), table.radius, table.up,
                                             table.refractivity, table.origin, **common)
+                case models.ExpressionTable():
+                    return media.Expression(table.text, **table.constants, **common)
+                case models.SumTable():
+                    if table.dispersion is not None:
+                        raise SceneFileError(self.path, f"{key}.dispersion", "is each term's own; a sum has none")
+                    terms = [self.medium(term, f"{key}.terms[{i}]") for i, term in enumerate(table.terms)]
+                    return media.Sum(*terms, bounds=bounds)
                 case _:
                     return self.grid(table, key, common)
 
@@ -262,9 +269,10 @@ class _Builder:
 
     def ground(self, medium: media.Medium, key: str) -> tuple[Any, float]:
         """Centre and radius of the sphere at the atmosphere's lowest height."""
-        if not isinstance(medium, media.Atmosphere) or medium.radius is None:
-            raise self.refuse(key, "ground", "needs [medium] to be an atmosphere with a radius")
-        return medium.center, medium.radius + medium.profile.ground
+        for term in medium.terms if isinstance(medium, media.Sum) else (medium,):
+            if isinstance(term, media.Atmosphere) and term.radius is not None:
+                return term.center, term.radius + term.profile.ground
+        raise self.refuse(key, "ground", "needs [medium] to be an atmosphere with a radius")
 
     def add_mesh(self, scene: Scene, table: models.MeshTable, key: str, material: Any, name: str) -> Shape:
         try:

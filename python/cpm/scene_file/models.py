@@ -189,6 +189,17 @@ class LayeredTable(MediumTable):
     interpolation: Literal["cubic", "linear-squared", "step"] = "cubic"
 
 
+class ExpressionTable(MediumTable):
+    type: Literal["expression"]
+    text: Text
+    constants: dict[str, Number] = {}
+
+
+class SumTable(MediumTable):
+    type: Literal["sum"]
+    terms: Annotated[list[AnyMedium], Field(min_length=1, max_length=64)]
+
+
 class GridTable(MediumTable):
     type: Literal["grid"]
     values: Text
@@ -268,8 +279,17 @@ class AtmosphereTable(Table):
     bounds: BoundsTable | None = None
 
 
-AnyMedium = Annotated[HomogeneousTable | LinearSquaredTable | LinearTable | LayeredTable | GridTable | AtmosphereTable,
-                      Field(discriminator="type")]
+AnyMedium = Annotated[
+    HomogeneousTable
+    | LinearSquaredTable
+    | LinearTable
+    | LayeredTable
+    | GridTable
+    | AtmosphereTable
+    | ExpressionTable
+    | SumTable,
+    Field(discriminator="type")]
+SumTable.model_rebuild()
 
 
 # Materials.
