@@ -43,8 +43,8 @@ static void lengths(const cpm_pass *pass, lot *l) {
             const double bent_out = sqrt(cpm_max(out, 0.0)), bent_in = sqrt(cpm_max(in, 0.0));
             const double t1 = 2.0 * ahead / (p + (p > 0.0 ? bent_out : -bent_out));
             const double t0 = 2.0 * behind / (p + (p > 0.0 ? bent_in : -bent_in));
-            leave = (out >= 0.0) & (t1 >= 0.0) & (t1 < leave) ? t1 : leave;
-            enter = (in >= 0.0) & (t0 > enter) ? t0 : enter;
+            leave = ((out >= 0.0) & (t1 >= 0.0) & (t1 < leave)) ? t1 : leave;
+            enter = ((in >= 0.0) & (t0 > enter)) ? t0 : enter;
             away2 += (r - center[k]) * (r - center[k]);
             pg += p * a, gg += a * a;
         }
@@ -52,7 +52,7 @@ static void lengths(const cpm_pass *pass, lot *l) {
         const int cut = (pg < 0.0) & (pg * pg > (n * n - least * least) * gg); /* |p| may fall to 0 */
         const double h = cpm_min(limit, leave * (1.0 + 1e-6) + margin);
         const double from = cpm_max(enter * (1.0 - 1e-6) - margin, 0.0) / h;
-        l->h[i] = (n > 0.0) & !cut ? h : NAN;
+        l->h[i] = ((n > 0.0) & !cut) ? h : NAN;
         l->from[i] = from < 1.0 ? from : 0.0;
         for (int k = 0; k < 3; k++) {
             l->c1[k][i] = h * (n * l->direction[k][i]);
