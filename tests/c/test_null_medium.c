@@ -53,7 +53,8 @@ static void media_dispersion(void **state) {
             assert_refused(context, m, cpm_medium_create_dispersive(context, &d, &m));
         }
     for (int32_t count = 0; count <= 7; count++) { /* a gas has four numbers, then pairs */
-        d = (cpm_dispersion){.struct_size = sizeof d, .kind = CPM_DISPERSION_GAS, .count = count, .coefficients = {3e-4}};
+        d = (cpm_dispersion){
+            .struct_size = sizeof d, .kind = CPM_DISPERSION_GAS, .count = count, .coefficients = {3e-4}};
         if (count != 4 && count != 6) assert_refused(context, m, cpm_medium_create_dispersive(context, &d, &m));
     }
     d = (cpm_dispersion){.struct_size = 0};
@@ -80,7 +81,8 @@ static void media_catalogue(void **state) {
     assert_status(context, REFUSED, cpm_dispersion_catalogue(NULL, "BK7", &d));
     assert_status(context, REFUSED, cpm_dispersion_catalogue(context, NULL, &d));
     assert_status(context, REFUSED, cpm_dispersion_catalogue(context, "BK7", NULL));
-    const char *unknown[] = {"", "BK", "BK77", "unobtainium", "a name that is longer than any of the catalogue's names"};
+    const char *unknown[] = {"", "BK", "BK77", "unobtainium",
+                             "a name that is longer than any of the catalogue's names"};
     for (size_t i = 0; i < COUNT_OF(unknown); i++) {
         assert_status(context, REFUSED, cpm_dispersion_catalogue(context, unknown[i], &d));
         assert_non_null(strstr(cpm_context_last_error(context), "BK7, F2, SF11, fused silica"));
@@ -405,12 +407,9 @@ static void rays(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(media_simple), cmocka_unit_test(media_dispersion),
-        cmocka_unit_test(media_catalogue),
-        cmocka_unit_test(media_tables), cmocka_unit_test(media_shells),
-        cmocka_unit_test(media_expression), cmocka_unit_test(media_sum),
-        cmocka_unit_test(medium_evaluate),
-        cmocka_unit_test(rays),
+        cmocka_unit_test(media_simple), cmocka_unit_test(media_dispersion), cmocka_unit_test(media_catalogue),
+        cmocka_unit_test(media_tables), cmocka_unit_test(media_shells),     cmocka_unit_test(media_expression),
+        cmocka_unit_test(media_sum),    cmocka_unit_test(medium_evaluate),  cmocka_unit_test(rays),
     };
     return cmocka_run_group_tests_name("null_medium", tests, NULL, NULL);
 }

@@ -37,8 +37,8 @@ typedef struct cpm_dispersion {
     double low, high; /* valid range, nm; 0, 0: no limit. Outside: an error when a wavelength is used */
 } cpm_dispersion;
 
-/* A published dispersion: "BK7" (SCHOTT N-BK7), "F2", "SF11", "fused silica", "water" (20 C), "sapphire" (ordinary ray),
- * "diamond", "air" (15 C, 101325 Pa, dry). Case, blanks, hyphens and underscores do not matter. Set
+/* A published dispersion: "BK7" (SCHOTT N-BK7), "F2", "SF11", "fused silica", "water" (20 C), "sapphire" (ordinary
+ * ray), "diamond", "air" (15 C, 101325 Pa, dry). Case, blanks, hyphens and underscores do not matter. Set
  * dispersion->struct_size; all else is written. The range is the source's: set low = high = 0 to go beyond it. n of
  * water and air is absolute, of the others relative to air as their sources have it. Sources: spectral/data. */
 CPM_API cpm_status cpm_dispersion_catalogue(cpm_context *context, const char *name, cpm_dispersion *dispersion);
