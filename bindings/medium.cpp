@@ -13,6 +13,7 @@ cpm_dispersion make_dispersion(const std::string &kind, const std::vector<double
     else if (kind == "cauchy") dispersion.kind = CPM_DISPERSION_CAUCHY;
     else if (kind == "sellmeier") dispersion.kind = CPM_DISPERSION_SELLMEIER;
     else if (kind == "tabulated") dispersion.kind = CPM_DISPERSION_TABULATED;
+    else if (kind == "gas") dispersion.kind = CPM_DISPERSION_GAS;
     else throw py::value_error("dispersion kind is '" + kind + "'");
     if (coefficients.size() > CPM_DISPERSION_MAX_COEFFICIENTS)
         throw py::value_error("a dispersion has " + std::to_string(coefficients.size()) + " numbers; at most " +
@@ -34,7 +35,8 @@ std::shared_ptr<Medium> make_medium(Create &&create) {
 }
 
 std::shared_ptr<Medium> make_layered(const Doubles &heights, const Doubles &n, const Point &up, const Point &origin,
-                                     double radius, int32_t interpolation, const cpm_dispersion *dispersion) {
+                                     double radius, int32_t interpolation, const cpm_dispersion *dispersion,
+                                     const std::vector<size_t> &kinks) {
     cpm_layered_desc desc{};
     desc.struct_size = sizeof desc;
     desc.heights = heights.data();
@@ -44,6 +46,8 @@ std::shared_ptr<Medium> make_layered(const Doubles &heights, const Doubles &n, c
     std::copy(origin.begin(), origin.end(), desc.origin);
     desc.interpolation = interpolation;
     desc.radius = radius;
+    desc.kinks = kinks.data();
+    desc.kink_count = kinks.size();
     return make_medium([&](cpm_context *context, cpm_medium **medium) {
         return cpm_medium_create_layered(context, &desc, dispersion, medium);
     });
@@ -222,7 +226,7 @@ void bind_medium(py::module_ &module) {
     module.def("sources", &make_sources, arg("centers"), arg("directions"), arg("strengths"), arg("exponents"),
                arg("dispersion").none(true));
     module.def("layered", &make_layered, arg("heights"), arg("n"), arg("up"), arg("origin"), arg("radius"),
-               arg("interpolation"), arg("dispersion").none(true));
+               arg("interpolation"), arg("dispersion").none(true), arg("kinks") = std::vector<size_t>{});
     module.def("expression", &make_expression, arg("codes"), arg("constants"), arg("results"), arg("feature"),
                arg("dispersion").none(true));
     module.def("sum", &make_sum, arg("terms"));

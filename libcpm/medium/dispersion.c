@@ -22,6 +22,9 @@ int cpm_dispersion_varies(const cpm_dispersion *d) {
     if (d->kind == CPM_DISPERSION_SELLMEIER)
         for (int i = 0; i < d->count; i += 2)
             if (c[i] != 0.0 && c[i + 1] != 0.0) return 1;
+    if (d->kind == CPM_DISPERSION_GAS)
+        for (int i = 1; i < d->count; i += i < 4 ? 1 : 2)
+            if (c[i] != 0.0) return 1;
     if (d->kind == CPM_DISPERSION_TABULATED)
         for (int i = 3; i < d->count; i += 2)
             if (c[i] != c[1]) return 1;
@@ -50,13 +53,15 @@ cpm_status cpm_dispersion_take(cpm_context *context, const cpm_dispersion *given
                         "dispersion.struct_size is %zu; set it to sizeof(cpm_dispersion)", given->struct_size);
     CPM_TAKE(*ours, given);
     if (ours->kind == CPM_DISPERSION_NONE) return CPM_OK;
-    if (ours->kind < CPM_DISPERSION_NONE || ours->kind > CPM_DISPERSION_TABULATED)
+    if (ours->kind < CPM_DISPERSION_NONE || ours->kind > CPM_DISPERSION_GAS)
         return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT,
-                        "dispersion.kind is %d; must be 0 to 4 (cpm_dispersion_kind)", (int)ours->kind);
-    int pairs = ours->kind == CPM_DISPERSION_SELLMEIER || ours->kind == CPM_DISPERSION_TABULATED;
-    if (ours->count < 1 || ours->count > CPM_DISPERSION_MAX_COEFFICIENTS || (pairs && ours->count % 2))
-        return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "dispersion.count is %d; must be 1 to %d%s",
-                        (int)ours->count, CPM_DISPERSION_MAX_COEFFICIENTS, pairs ? " and even (pairs)" : "");
+                        "dispersion.kind is %d; must be 0 to 5 (cpm_dispersion_kind)", (int)ours->kind);
+    int pairs = ours->kind == CPM_DISPERSION_SELLMEIER || ours->kind == CPM_DISPERSION_TABULATED ||
+                ours->kind == CPM_DISPERSION_GAS;
+    int least = ours->kind == CPM_DISPERSION_GAS ? 4 : 1;
+    if (ours->count < least || ours->count > CPM_DISPERSION_MAX_COEFFICIENTS || (pairs && ours->count % 2))
+        return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "dispersion.count is %d; must be %d to %d%s",
+                        (int)ours->count, least, CPM_DISPERSION_MAX_COEFFICIENTS, pairs ? " and even (pairs)" : "");
     for (int i = 0; i < ours->count; i++)
         if (!isfinite(ours->coefficients[i]))
             return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "dispersion.coefficients[%d] is %g; must be finite", i,

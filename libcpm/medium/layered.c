@@ -40,6 +40,16 @@ static cpm_status check(cpm_context *context, const cpm_layered_desc *d) {
         return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT,
                         "heights[0] is %.17g; must be above -radius, %.17g, the centre of the sphere", d->heights[0],
                         -d->radius);
+    if (d->kink_count && (!cubic || !d->kinks))
+        return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "kink_count is %zu; %s", d->kink_count,
+                        cubic ? "kinks is NULL" : "only CUBIC takes kinks");
+    for (size_t k = 0; k < d->kink_count; k++) {
+        size_t least_kink = k ? d->kinks[k - 1] + 1 : 1;
+        if (d->kinks[k] < least_kink || d->kinks[k] >= d->count - 1)
+            return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT,
+                            "kinks[%zu] is %zu; must be an inner height's index, 1 to %zu, and ascend", k, d->kinks[k],
+                            d->count - 2);
+    }
     cpm_status status = cpm_check_vector(context, "up", d->up);
     return status == CPM_OK ? cpm_check_vector(context, "origin", d->origin) : status;
 }
@@ -56,6 +66,16 @@ static void natural_spline(const double *h, const double *y, size_t count, doubl
         right[i] = (6.0 * ((y[i + 1] - y[i]) / above - (y[i] - y[i - 1]) / below) - below * right[i - 1]) / pivot;
     }
     for (size_t i = count - 1; i-- > 1;) second[i] = right[i] - upper[i] * second[i + 1];
+}
+
+/* Natural splines from kink to kink. */
+static void splines(const cpm_layered_desc *d, const double *y, double *second, double *work) {
+    size_t from = 0;
+    for (size_t k = 0; k <= d->kink_count; k++) {
+        size_t to = k < d->kink_count ? d->kinks[k] : d->count - 1;
+        natural_spline(d->heights + from, y + from, to - from + 1, second + from, work);
+        from = to;
+    }
 }
 
 static void fill_records(const cpm_layered_desc *d, double *records, const double *value, const double *second) {
@@ -100,15 +120,18 @@ static int32_t fill_guide(const cpm_medium_data *data, const double *heights, do
  * least half of the thinnest layer; on spheres no more than their radius, over which `up` turns. data->kink, jump: the
  * largest jump of slope, times a layer and itself, at the table's ends and, n^2 linear, at every height; where it is
  * linear in rho^2 the slope by height differs at a layer's ends, by rho/(mean rho). */
-static void measure(cpm_medium_data *data, const double *h, const double *value) {
+static void measure(cpm_medium_data *data, const cpm_layered_desc *d, const double *value) {
     double steepest = 0.0, bend = 0.0, thinnest = INFINITY, kink = 0.0, jump = 0.0, before = 0.0;
-    const size_t count = (size_t)data->size[0];
-    for (size_t i = 0; i + 1 < count; i++) {
+    const double *h = d->heights;
+    const size_t count = d->count;
+    for (size_t i = 0, k = 0; i + 1 < count; i++) {
         double width = h[i + 1] - h[i], slope = (value[i + 1] - value[i]) / width;
         double reach = i ? 0.5 * (h[i + 1] - h[i - 1]) : width;
         thinnest = fmin(thinnest, width);
         steepest = fmax(steepest, fabs(slope));
-        if (i) bend = fmax(bend, fabs(slope - before) / reach);
+        const int jumps = k < d->kink_count && d->kinks[k] == i; /* which is no bend */
+        k += (size_t)jumps;
+        if (i && !jumps) bend = fmax(bend, fabs(slope - before) / reach);
         const int inner = i == 0 || data->interpolation == CPM_FIELD_LINEAR_SQUARED;
         double foot = slope, top = slope;
         if (data->radius > 0.0 && data->interpolation == CPM_FIELD_LINEAR_SQUARED) {
@@ -159,13 +182,13 @@ cpm_status cpm_medium_create_layered(cpm_context *context, const cpm_layered_des
         data.uniform &= d.n[i] == d.n[0];
     }
     data.value = value[0];
-    measure(&data, d.heights, value);
+    measure(&data, &d, value);
     status = cpm_medium_make(context, &data, (size_t)data.records + CPM_RECORD * (count + 1), dispersion, medium);
     if (status == CPM_OK) {
         double *table = (*medium)->table;
         int cubic = d.interpolation == CPM_INTERPOLATION_CUBIC;
         memcpy(table, d.heights, count * sizeof *table);
-        if (cubic) natural_spline(d.heights, value, count, second, work + 2 * count);
+        if (cubic) splines(&d, value, second, work + 2 * count);
         fill_records(&d, table + data.records, value, cubic ? second : NULL);
         (*medium)->data.size[2] = fill_guide(&data, d.heights, table + data.guide);
     }

@@ -12,10 +12,10 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from . import _core, _data
+from . import _core, _data, air
 from ._arrays import as_array, as_number
 
-__all__ = ["Cauchy", "Constant", "Dispersion", "Sellmeier", "Tabulated", "as_dispersion", "catalogue"]
+__all__ = ["Air", "Cauchy", "Constant", "Dispersion", "Gas", "Sellmeier", "Tabulated", "as_dispersion", "catalogue"]
 
 
 class Dispersion:
@@ -161,6 +161,56 @@ class Tabulated(Dispersion):
         super().__init__(np.stack([positions, values], axis=1).ravel().tolist(), **options)
 
 
+class Gas(Dispersion):
+    """n − 1 = Σ Bᵢ/(Cᵢ − σ²) + a + b σ² + c σ⁴ + d σ⁶, with σ = 1/λ in 1/µm: the form of air's formulas.
+
+    Parameters
+    ----------
+    B, C : sequence of float
+        Strengths and squares of the resonances' wavenumbers, both in µm⁻².
+    polynomial : sequence of float, optional
+        a, b, c, d, at most; dimensionless, µm², µm⁴, µm⁶.
+    """
+
+    _kind = "gas"
+
+    def __init__(self, B: Sequence[float] = (), C: Sequence[float] = (), polynomial: Sequence[float] = (),
+                 **options: Any) -> None:
+        strengths, poles = np.atleast_1d(as_array(B, "B")), np.atleast_1d(as_array(C, "C"))
+        powers = np.atleast_1d(as_array(polynomial, "polynomial"))
+        if strengths.ndim != 1 or strengths.shape != poles.shape:
+            raise ValueError(f"B has shape {strengths.shape} and C {poles.shape}; as many of one as of the other")
+        if powers.ndim != 1 or powers.size > 4:
+            raise ValueError(f"polynomial has shape {powers.shape}; at most 4 numbers are allowed")
+        leading = [*powers.tolist(), *[0.0] * (4 - powers.size)]
+        super().__init__(leading + np.stack([strengths, poles], axis=1).ravel().tolist(), **options)
+
+
+class Air(Gas):
+    """Air of one temperature, pressure and humidity.
+
+    Parameters
+    ----------
+    temperature, pressure : float
+        K, Pa.
+    humidity : float
+        Fraction; 1 is saturated.
+    co2 : float
+        ppm; only Ciddor's model knows it.
+    model : {"ciddor", "edlen", "iag1999"}
+        See :func:`cpm.air.refractivity`.
+    """
+
+    def __init__(self, temperature: float = 288.15, pressure: float = 101325.0, humidity: float = 0.0,
+                 co2: float = 450.0, model: str = "ciddor", extrapolate: bool = False) -> None:
+        state = [np.float64(as_number(value, name)) for value, name in
+                 ((temperature, "temperature"), (pressure, "pressure"), (humidity, "humidity"))]
+        air.check_state(*map(np.asarray, state))
+        vapour = float(air.vapour_pressure(*state))
+        coefficients = air.gas_coefficients(model, float(state[0]), float(state[1]), vapour, as_number(co2, "co2"))
+        super().__init__(*coefficients, range=air.RANGES[model], extrapolate=extrapolate, reference="vacuum")
+
+
 def catalogue(name: str, extrapolate: bool = False) -> Dispersion:
     """A published dispersion.
 
@@ -202,35 +252,12 @@ def _folded(name: str) -> str:
 
 def _from_entry(entry: dict[str, Any], extrapolate: bool) -> Dispersion:
     options = {"range": tuple(entry["range"]), "extrapolate": extrapolate, "reference": entry["reference"]}
+    made: Dispersion
     if entry["formula"] == "sellmeier":
         # Sources give either the squares of the resonances (SCHOTT) or the resonances themselves (Malitson).
         poles = entry["C"] if "C" in entry else np.square(entry["resonance"])
         made = Sellmeier(entry["B"], poles, **options)
     else:
-        made = Sellmeier(*refractivity_as_sellmeier(entry["B"], entry["C"]), **options)
+        made = Gas(entry["B"], entry["C"], **options)
     made.name, made.source = entry["name"], entry["source"]
     return made
-
-
-def refractivity_as_sellmeier(B: Sequence[float], C: Sequence[float]) -> tuple[list[float], list[float]]:
-    """A gas's formula n − 1 = Σ Bᵢ/(Cᵢ − λ⁻²) in the form of Sellmeier.
-
-    With x = λ², aᵢ = Bᵢ/Cᵢ and dᵢ = 1/Cᵢ the formula is N = Σ aᵢ x/(x − dᵢ), and n² − 1 = 2N + N². Products of two
-    terms split into partial fractions, x²/((x − d)(x − e)) = x [d/(x − d) − e/(x − e)]/(d − e); a square is such a
-    product with poles d(1 ± 1e-3), which is off by 1e-6 of N², so below 1e-13 of n for air.
-    """
-    strengths: dict[float, float] = {}
-
-    def add(pole: float, strength: float) -> None:
-        strengths[pole] = strengths.get(pole, 0.0) + strength
-
-    terms = [(b / c, 1.0 / c) for b, c in zip(B, C, strict=True)]
-    for i, (a, d) in enumerate(terms):
-        add(d, 2.0 * a)
-        above, below = d * (1.0 + 1e-3), d * (1.0 - 1e-3)
-        add(above, a * a * above / (above - below))
-        add(below, -a * a * below / (above - below))
-        for other_a, e in terms[i + 1:]:
-            add(d, 2.0 * a * other_a * d / (d - e))
-            add(e, -2.0 * a * other_a * e / (d - e))
-    return list(strengths.values()), list(strengths)

@@ -110,8 +110,8 @@ class Scene:
 
     @property
     def extent(self) -> Box:
-        """The box at which rays leave. Default: shapes, lights and camera grown on each side by their diagonal; infinite
-        where nothing bends. Set it to None to have it chosen again."""
+        """The box at which rays leave. Default: the medium's own (an atmosphere's top), else shapes, lights and camera
+        grown on each side by their diagonal; infinite where nothing bends. Set it to None to have it chosen again."""
         return self._extent if self._extent is not None else Box.unchecked(*self._use().extent())
 
     @extent.setter
@@ -257,8 +257,9 @@ class Scene:
     def _open(self) -> _core.Scene:
         """A core scene that may still be changed."""
         if self._handle is None or self._in_use:
+            extent = self._extent if self._extent is not None else self._medium.extent
             handle = _core.Scene(medium=self._medium._handle,
-                                 extent=None if self._extent is None else (self._extent.low, self._extent.high),
+                                 extent=None if extent is None else (extent.low, extent.high),
                                  **self._integrator)
             for addition in self._additions:
                 addition(handle)

@@ -87,3 +87,27 @@ def test_dispersion_of_a_varying_medium(kind):
             expected_slope = slope * n / expected * factor
         np.testing.assert_allclose(found, expected, rtol=1e-13)
         np.testing.assert_allclose(found_slope, expected_slope, rtol=1e-12)
+
+
+def test_layered_kinks():
+    """Splines that meet at kinks: natural ones of SciPy on either side."""
+    from scipy.interpolate import CubicSpline
+
+    heights = np.array([0.0, 1.0, 1.5, 2.5, 3.0, 4.0, 5.0])
+    n = np.array([1.30, 1.25, 1.23, 1.21, 1.15, 1.11, 1.10])
+    medium = cpm.media.Layered(heights, n, kinks=[4.0, 2.5])
+    at = np.linspace(0.01, 4.99, 200)
+    found, gradient = medium.evaluate(np.column_stack([0 * at, at, 0 * at]), D_LINE)
+    for low, high in ((0, 3), (3, 5), (5, 6)):
+        spline = CubicSpline(heights[low : high + 1], n[low : high + 1], bc_type="natural")
+        here = (at > heights[low]) & (at < heights[high])
+        np.testing.assert_allclose(found[here], spline(at[here]), rtol=1e-14)
+        np.testing.assert_allclose(gradient[here, 1], spline(at[here], 1), rtol=0, atol=1e-13)
+
+
+@pytest.mark.parametrize("kinks", [[0.7], [0.0], [2.0], [np.nan]])
+def test_bad_kinks(kinks):
+    with pytest.raises(ValueError, match=r"kinks\[0\] is .* m; one of heights"):
+        cpm.media.Layered([0.0, 1.0, 2.0], [1.3, 1.2, 1.1], kinks=kinks)
+    with pytest.raises(ValueError, match="only CUBIC takes kinks"):
+        cpm.media.Layered([0.0, 1.0, 2.0], [1.3, 1.2, 1.1], kinks=[1.0], interpolation="step")

@@ -124,19 +124,54 @@ static void media_dispersion(void **state) {
         assert_refused(context, m, cpm_medium_create_dispersive(context, &d, &m));
     }
     d.count = 2;
-    const int32_t kinds[] = {-1, 5, INT32_MAX, INT32_MIN};
+    const int32_t kinds[] = {-1, 6, INT32_MAX, INT32_MIN};
     for (size_t i = 0; i < COUNT_OF(kinds); i++) {
         d.kind = kinds[i];
         assert_refused(context, m, cpm_medium_create_dispersive(context, &d, &m));
     }
-    for (int32_t kind = CPM_DISPERSION_CONSTANT; kind <= CPM_DISPERSION_TABULATED; kind++)
+    for (int32_t kind = CPM_DISPERSION_CONSTANT; kind <= CPM_DISPERSION_GAS; kind++)
         for (size_t i = 0; i < COUNT_OF(not_numbers); i++) {
             d.kind = kind;
             d.coefficients[0] = not_numbers[i];
             assert_refused(context, m, cpm_medium_create_dispersive(context, &d, &m));
         }
+    for (int32_t count = 0; count <= 7; count++) { /* a gas has four numbers, then pairs */
+        d = (cpm_dispersion){
+            .struct_size = sizeof d, .kind = CPM_DISPERSION_GAS, .count = count, .coefficients = {3e-4}};
+        if (count != 4 && count != 6) assert_refused(context, m, cpm_medium_create_dispersive(context, &d, &m));
+    }
     d = (cpm_dispersion){.struct_size = 0};
     assert_refused(context, m, cpm_medium_create_dispersive(context, &d, &m));
+    cpm_context_release(context);
+}
+
+static void media_catalogue(void **state) {
+    (void)state;
+    cpm_context *context = new_context();
+    cpm_dispersion d = {.struct_size = sizeof d};
+    const char *names[] = {"BK7", "n-bk7", "F2", "SF11", "Fused Silica", "SiO2", "water", "sapphire", "diamond", "AIR"};
+    for (size_t i = 0; i < COUNT_OF(names); i++) {
+        cpm_medium *m = NULL;
+        const double point[3] = {0, 0, 0};
+        double n = 0;
+        assert_ok(context, cpm_dispersion_catalogue(context, names[i], &d));
+        assert_ok(context, cpm_medium_create_dispersive(context, &d, &m));
+        assert_ok(context, cpm_medium_evaluate(context, m, point, 1, 587.5618, &n, NULL));
+        assert_true(n > 1.0002 && n < 2.42);
+        if (i < 2) assert_true(fabs(n - 1.51680) < 6e-6); /* SCHOTT's data sheet */
+        cpm_medium_release(m);
+    }
+    assert_status(context, REFUSED, cpm_dispersion_catalogue(NULL, "BK7", &d));
+    assert_status(context, REFUSED, cpm_dispersion_catalogue(context, NULL, &d));
+    assert_status(context, REFUSED, cpm_dispersion_catalogue(context, "BK7", NULL));
+    const char *unknown[] = {"", "BK", "BK77", "unobtainium",
+                             "a name that is longer than any of the catalogue's names"};
+    for (size_t i = 0; i < COUNT_OF(unknown); i++) {
+        assert_status(context, REFUSED, cpm_dispersion_catalogue(context, unknown[i], &d));
+        assert_non_null(strstr(cpm_context_last_error(context), "BK7, F2, SF11, fused silica"));
+    }
+    d.struct_size = 8;
+    assert_status(context, REFUSED, cpm_dispersion_catalogue(context, "BK7", &d));
     cpm_context_release(context);
 }
 
@@ -186,6 +221,19 @@ static void media_tables(void **state) {
     assert_refused(context, m, cpm_medium_create_layered(context, &d, NULL, &m));
     d = good, d.heights = repeated;
     assert_refused(context, m, cpm_medium_create_layered(context, &d, NULL, &m));
+
+    const size_t kinks[][2] = {{1, 1}, {0, 1}, {2, 0}, {3, 0}, {SIZE_MAX, 0}}; /* only {1} serves three heights */
+    for (size_t i = 0; i < COUNT_OF(kinks); i++) {
+        d = good, d.kinks = kinks[i], d.kink_count = i < 2 ? 2 : 1;
+        assert_refused(context, m, cpm_medium_create_layered(context, &d, NULL, &m));
+    }
+    d = good, d.kink_count = 1;
+    assert_refused(context, m, cpm_medium_create_layered(context, &d, NULL, &m));
+    d.kinks = kinks[0], d.interpolation = CPM_INTERPOLATION_STEP;
+    assert_refused(context, m, cpm_medium_create_layered(context, &d, NULL, &m));
+    d.interpolation = CPM_INTERPOLATION_CUBIC;
+    assert_ok(context, cpm_medium_create_layered(context, &d, NULL, &m));
+    cpm_medium_release(m);
 
     const double samples[8] = {1.1, 1.1, 1.1, 1.1, 1.2, 1.2, 1.2, 1.2};
     const cpm_grid_desc grid = {.struct_size = sizeof grid, .values = samples, .size = {2, 2, 2}, .spacing = {1, 1, 1}};
@@ -442,7 +490,7 @@ static void rays(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(media_simple),     cmocka_unit_test(media_dispersion), cmocka_unit_test(media_lenses),
+        cmocka_unit_test(media_simple),     cmocka_unit_test(media_dispersion), cmocka_unit_test(media_catalogue), cmocka_unit_test(media_lenses),
         cmocka_unit_test(media_sources),    cmocka_unit_test(media_tables),     cmocka_unit_test(media_shells),
         cmocka_unit_test(media_expression), cmocka_unit_test(media_sum),        cmocka_unit_test(medium_evaluate),
         cmocka_unit_test(rays),

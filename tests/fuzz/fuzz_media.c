@@ -8,7 +8,7 @@
 static cpm_dispersion *take_dispersion(bytes *b, cpm_dispersion *d) {
     if (take_below(b, 2)) return NULL;
     *d = (cpm_dispersion){
-        .struct_size = sizeof *d, .kind = (int32_t)take_below(b, 6), .count = (int32_t)take_below(b, 10)};
+        .struct_size = sizeof *d, .kind = (int32_t)take_below(b, 7), .count = (int32_t)take_below(b, 10)};
     for (int i = 0; i < 10; i++) d->coefficients[i] = i == 0 ? take_index(b) : take_number(b);
     if (d->kind == CPM_DISPERSION_TABULATED)
         for (int i = 0; i < 5; i++) d->coefficients[2 * i] = 300.0 + 100.0 * i;

@@ -260,3 +260,32 @@ def test_field_same_bits(context, programs, library, medium, width):
     n, gradient = library.evaluate(m, points)
     np.testing.assert_array_equal(out[:, 0], n)
     np.testing.assert_array_equal(out[:, 1:] / n[:, None], gradient)
+
+
+# ---------------------------------------------------------------------------------------------------------- dispersion
+
+DISPERSIONS = {"constant": [1.5], "cauchy": [1.5046, 0.0042, 1e-5], "sellmeier": [1.04, 0.006, 0.23, 0.02, 1.01, 103.6],
+               "tabulated": [400.0, 1.5, 500.0, 1.48, 700.0, 1.46],
+               "gas": [1e-5, 2e-6, -3e-7, 4e-8, 0.0579, 238.0, 0.00168, 57.4]}
+
+
+@pytest.mark.parametrize("kind", DISPERSIONS)
+def test_dispersion_has_the_same_bits(context, kind):
+    """n(λ) of the shared formulas, on the device and in the library as a homogeneous medium's index."""
+    cpm = pytest.importorskip("cpm")
+    source = """#include "shared/dispersion.h"
+        __kernel void index(int kind, int count, __global const double *c, __global const double *w, __global double *n) {
+            n[get_global_id(0)] = cpm_dispersion_n(kind, count, c, w[get_global_id(0)]);
+        }"""
+    wavelengths, coefficients = np.linspace(400.0, 700.0, 301), np.array(DISPERSIONS[kind])
+    queue, flags = cl.CommandQueue(context), cl.mem_flags
+    inputs = [cl.Buffer(context, flags.READ_ONLY | flags.COPY_HOST_PTR, hostbuf=a) for a in (coefficients, wavelengths)]
+    found = np.empty_like(wavelengths)
+    out = cl.Buffer(context, flags.WRITE_ONLY, found.nbytes)
+    number = 1 + list(DISPERSIONS).index(kind)
+    build(context, source, CPM_WIDTH=1, CPM_SINGLE=0).index(queue, wavelengths.shape, None, np.int32(number),
+                                                            np.int32(coefficients.size), *inputs, out)
+    cl.enqueue_copy(queue, found, out)
+    expected = cpm._core.Dispersion(kind, list(coefficients), 0.0, 0.0).n(wavelengths)
+    # The library stores n − 1 and gives 1 + (n − 1) back.
+    np.testing.assert_array_equal(1 + (found - 1), expected)

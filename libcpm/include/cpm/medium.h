@@ -24,7 +24,9 @@ typedef enum cpm_dispersion_kind {
     CPM_DISPERSION_CONSTANT = 1,  /* n = c[0] */
     CPM_DISPERSION_CAUCHY = 2,    /* n = c[0] + c[1]/w^2 + c[2]/w^4 + ..., w in micrometres */
     CPM_DISPERSION_SELLMEIER = 3, /* n^2 = 1 + sum c[2i] w^2/(w^2 - c[2i+1]), w in micrometres, c[2i+1] in um^2 */
-    CPM_DISPERSION_TABULATED = 4  /* linear between (c[2i] nm, c[2i+1]) */
+    CPM_DISPERSION_TABULATED = 4, /* linear between (c[2i] nm, c[2i+1]) */
+    CPM_DISPERSION_GAS = 5        /* n = 1 + c[0] + c[1] k + c[2] k^2 + c[3] k^3 + sum c[2i+4]/(c[2i+5] - k), k = 1/w^2,
+                                     w in micrometres; at least the four first. Edlen's and Ciddor's form for air */
 } cpm_dispersion_kind;
 
 #define CPM_DISPERSION_MAX_COEFFICIENTS 64
@@ -36,6 +38,12 @@ typedef struct cpm_dispersion {
     double coefficients[CPM_DISPERSION_MAX_COEFFICIENTS];
     double low, high; /* valid range, nm; 0, 0: no limit. Outside: an error when a wavelength is used */
 } cpm_dispersion;
+
+/* A published dispersion: "BK7" (SCHOTT N-BK7), "F2", "SF11", "fused silica", "water" (20 C), "sapphire" (ordinary
+ * ray), "diamond", "air" (15 C, 101325 Pa, dry). Case, blanks, hyphens and underscores do not matter. Set
+ * dispersion->struct_size; all else is written. The range is the source's: set low = high = 0 to go beyond it. n of
+ * water and air is absolute, of the others relative to air as their sources have it. Sources: spectral/data. */
+CPM_API cpm_status cpm_dispersion_catalogue(cpm_context *context, const char *name, cpm_dispersion *dispersion);
 
 typedef enum cpm_interpolation {
     CPM_INTERPOLATION_LINEAR = 0,         /* grid: trilinear n */
@@ -71,6 +79,9 @@ typedef struct cpm_layered_desc {
     double radius; /* metres; 0: flat. Else heights are above a sphere of this radius whose centre is `radius` below
                       origin (against `up`), all above -radius; LINEAR_SQUARED is linear in the square of the distance
                       from that centre */
+    const size_t *kinks; /* CUBIC: kink_count ascending indices of heights where the slope of n may jump (a tropopause):
+                            natural splines that meet there. NULL: one spline */
+    size_t kink_count;
 } cpm_layered_desc;
 CPM_API cpm_status cpm_medium_create_layered(cpm_context *context, const cpm_layered_desc *desc,
                                              const cpm_dispersion *dispersion, cpm_medium **medium);

@@ -11,11 +11,13 @@
 ``Fisheye``         n = n₀/(1 + r²/a²)                            exact: circles
 ``Eaton``           n² = 2R/r − 1 in a ball                       exact: Kepler's ellipses
 ``Sources``         1 + Σ m/dᵏ, points and lines                  integrated
+``Atmosphere``      air of a profile of :mod:`cpm.atmosphere`     integrated
 ``Expression``      a formula in x, y, z, r, wavelength           integrated
 ``Sum``             ``a + b``: refractivities added               integrated
 ==================  ============================================  ==============================
 """
 from ._base import Medium, as_medium
+from .atmosphere import Atmosphere
 from .expression import Expression
 from .fisheye import Fisheye
 from .grid import Grid
@@ -28,6 +30,7 @@ from .sources import Sources
 from .sum import Sum
 
 __all__ = [
+    "Atmosphere",
     "Eaton",
     "Expression",
     "Fisheye",

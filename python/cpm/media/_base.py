@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from .. import _core
 from .._arrays import FloatArray, as_number, as_points
-from ..bounds import Bounds
+from ..bounds import Bounds, Box
 from ..dispersion import Dispersion, as_dispersion
 
 #: Where a varying medium's own numbers hold, nm.
@@ -32,6 +32,11 @@ class Medium:
     def __init__(self, dispersion: Any, bounds: Bounds | None) -> None:
         self.dispersion: Dispersion | None = None if dispersion is None else as_dispersion(dispersion)
         self.bounds = bounds
+
+    @property
+    def extent(self) -> Box | None:
+        """Where it ends when it fills a scene; None where it has no end of its own."""
+        return None
 
     def _dispersion_core(self) -> _core.Dispersion | None:
         return None if self.dispersion is None else self.dispersion._core()

@@ -34,13 +34,17 @@ class Layered(Medium):
         C² natural spline of n; n² linear between samples, in height (a parabola per layer, exact) or, spherical, in the
         squared distance from the centre (circular or hyperbolic functions, exact); n constant from a height to the next
         with Snell's law between (the discrete layers of Berger and Trout).
+    kinks : array_like, shape (M,)
+        Of "cubic": those of ``heights`` where the slope of n may jump, as at a tropopause. The spline is made of
+        natural ones that meet there.
     dispersion : Dispersion or str, optional
     bounds : Box, Sphere or Shape, optional
     """
 
     def __init__(self, heights: npt.ArrayLike, n: npt.ArrayLike, up: VectorLike = (0.0, 1.0, 0.0),
                  origin: VectorLike = (0.0, 0.0, 0.0), radius: float | None = None,
-                 interpolation: str = "cubic", dispersion: Dispersion | str | None = None, bounds: Bounds | None = None) -> None:
+                 interpolation: str = "cubic", dispersion: Dispersion | str | None = None, bounds: Bounds | None = None,
+                 kinks: npt.ArrayLike = ()) -> None:
         super().__init__(dispersion, bounds)
         self.radius = None if radius is None else as_number(radius, "radius")
         if self.radius is not None and self.radius <= 0:
@@ -54,4 +58,14 @@ class Layered(Medium):
         if not np.any(self.up):
             raise ValueError("up is (0, 0, 0); a direction is needed")
         self._handle = _core.layered(self.heights, self.n, self.up, self.origin, self.radius or 0.0,
-                                     _core.INTERPOLATION[self.interpolation], self._dispersion_core())
+                                     _core.INTERPOLATION[self.interpolation], self._dispersion_core(),
+                                     self._kinks(np.atleast_1d(as_array(kinks, "kinks"))))
+
+    def _kinks(self, kinks: npt.NDArray[np.float64]) -> list[int]:
+        if kinks.ndim != 1:
+            raise ValueError(f"kinks has shape {kinks.shape}; a list of heights is needed")
+        missing = np.flatnonzero(~np.isin(kinks, self.heights[1:-1]))
+        if missing.size:
+            raise ValueError(f"kinks[{missing[0]}] is {kinks[missing[0]]:g} m; one of heights is needed, "
+                             "neither the first nor the last")
+        return sorted({int(i) for i in np.searchsorted(self.heights, kinks)})

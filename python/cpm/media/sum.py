@@ -1,8 +1,10 @@
 """Media added up."""
 from __future__ import annotations
 
+import numpy as np
+
 from .. import _core
-from ..bounds import Bounds
+from ..bounds import Bounds, Box
 from ._base import Medium
 
 
@@ -30,6 +32,14 @@ class Sum(Medium):
             flat.extend(term.terms if isinstance(term, Sum) else [term])
         self.terms = tuple(flat)
         self._handle = _core.sum([term._handle for term in terms])
+
+    @property
+    def extent(self) -> Box | None:
+        """A box around those of the terms; None where none has one."""
+        boxes = [term.extent for term in self.terms if term.extent is not None]
+        if not boxes:
+            return None
+        return Box(np.min([box.low for box in boxes], axis=0), np.max([box.high for box in boxes], axis=0))
 
     def __repr__(self) -> str:
         bounds = "" if self.bounds is None else f", bounds={self.bounds!r}"

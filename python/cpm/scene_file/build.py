@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from .. import _core, dispersion, lights, materials, media, spectra
+from .. import _core, atmosphere, dispersion, lights, materials, media, spectra
 from ..bounds import Bounds, Box, Sphere
 from ..camera import Camera
 from ..scene import Scene
@@ -142,6 +142,10 @@ class _Builder:
             return dispersion.Cauchy(*value.cauchy, **options)
         if value.sellmeier is not None:
             return dispersion.Sellmeier(value.sellmeier.B, value.sellmeier.C, **options)
+        if value.air is not None:
+            if value.range is not None:
+                raise self.refuse(f"{key}.range", value.range, "air has its own range")
+            return dispersion.Air(**value.air.model_dump(), **options)
         assert value.tabulated is not None
         return dispersion.Tabulated(value.tabulated.wavelengths, value.tabulated.n, **options)
 
@@ -151,7 +155,7 @@ class _Builder:
             raise SceneFileError(self.path, f"{key}.bounds", "bounds are for [[media]]; this one fills its place")
         common: dict[str, Any] = {"bounds": bounds}
         with self.at(key):
-            if table.dispersion is not None:
+            if getattr(table, "dispersion", None) is not None:
                 common["dispersion"] = self.index(table.dispersion, f"{key}.dispersion")
             match table:
                 case models.HomogeneousTable():
@@ -163,6 +167,9 @@ class _Builder:
                 case models.LayeredTable():
                     return media.Layered(table.heights, table.n, table.up, table.origin, table.radius,
                                          table.interpolation, **common)
+                case models.AtmosphereTable():
+                    return media.Atmosphere(self.profile(table.profile, f"{key}.profile"), table.radius, table.up,
+                                            table.refractivity, table.origin, **common)
                 case models.ExpressionTable():
                     return media.Expression(table.text, **table.constants, **common)
                 case models.SumTable():
@@ -182,6 +189,23 @@ class _Builder:
                     return media.Sources(table.centers, table.strengths, table.exponent, table.directions, **common)
                 case _:
                     return self.grid(table, key, common)
+
+    def profile(self, table: Any, key: str) -> atmosphere.Profile:
+        with self.at(key):
+            match table:
+                case models.StandardTable():
+                    return atmosphere.USStandard1976()
+                case models.PolytropicTable():
+                    return atmosphere.Polytropic(**table.model_dump(exclude={"type"}))
+                case models.LevelsTable(file=str()):
+                    return atmosphere.read_sounding(self.file(table.file, f"{key}.file"), table.interpolation)
+                case models.LevelsTable():
+                    return atmosphere.Table(**table.model_dump(exclude={"type", "file"}))
+                case models.HotSurfaceTable():
+                    return atmosphere.HotSurface(self.profile(table.base, f"{key}.base"), table.excess, table.thickness)
+                case _:
+                    return atmosphere.Inversion(self.profile(table.base, f"{key}.base"), table.height, table.strength,
+                                                table.thickness)
 
     def grid(self, table: models.GridTable, key: str, common: dict[str, Any]) -> media.Grid:
         path = self.file(table.values, f"{key}.values")
@@ -244,12 +268,21 @@ class _Builder:
         with self.at(key):
             if isinstance(table, models.SphereTable):
                 shape = scene.add_sphere(table.center, table.radius, material, name=name)
+            elif isinstance(table, models.GroundTable):
+                shape = scene.add_sphere(*self.ground(scene.medium, f"{key}.type"), material, name=name)
             elif isinstance(table, models.QuadsTable):
                 shape = scene.add_mesh(*quads(table), material, name=name)
             else:
                 shape = self.add_mesh(scene, table, key, material, name)
         if table.name is not None:
             self.shapes[table.name] = shape
+
+    def ground(self, medium: media.Medium, key: str) -> tuple[Any, float]:
+        """Centre and radius of the sphere at the atmosphere's lowest height."""
+        for term in medium.terms if isinstance(medium, media.Sum) else (medium,):
+            if isinstance(term, media.Atmosphere) and term.radius is not None:
+                return term.center, term.radius + term.profile.ground
+        raise self.refuse(key, "ground", "needs [medium] to be an atmosphere with a radius")
 
     def add_mesh(self, scene: Scene, table: models.MeshTable, key: str, material: Any, name: str) -> Shape:
         try:

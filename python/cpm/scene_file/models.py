@@ -107,6 +107,14 @@ class TabulatedTable(Table):
     n: list[Number]
 
 
+class AirTable(Table):
+    temperature: Number = 288.15
+    pressure: Number = 101325.0
+    humidity: Number = 0.0
+    co2: Number = 450.0
+    model: Literal["ciddor", "edlen", "iag1999"] = "ciddor"
+
+
 class DispersionTable(Table):
     """One of the models of cpm.dispersion."""
 
@@ -115,12 +123,13 @@ class DispersionTable(Table):
     sellmeier: SellmeierTable | None = None
     tabulated: TabulatedTable | None = None
     catalogue: Text | None = None
+    air: AirTable | None = None
     range: tuple[Number, Number] | None = None
     extrapolate: Annotated[bool, Field(strict=True)] = False
 
     @model_validator(mode="after")
     def _one_model(self) -> DispersionTable:
-        _exactly_one(self, "constant", "cauchy", "sellmeier", "tabulated", "catalogue")
+        _exactly_one(self, "constant", "cauchy", "sellmeier", "tabulated", "catalogue", "air")
         return self
 
 
@@ -246,6 +255,75 @@ class SourcesTable(MediumTable):
     directions: list[Vector] | None = None
 
 
+# Profiles and the atmosphere.
+
+class StandardTable(Table):
+    type: Literal["us-standard-1976"]
+
+
+class PolytropicTable(Table):
+    type: Literal["polytropic"]
+    T0: Number
+    p0: Number
+    lapse: Number = 0.0065
+    tropopause: Number = 11000.0
+    reference_height: Number = 0.0
+    humidity: Number = 0.0
+    latitude: Number = 45.0
+
+
+class LevelsTable(Table):
+    """Levels, or a radiosonde's file of them."""
+
+    type: Literal["table"]
+    file: Text | None = None
+    h: list[Number] | None = None
+    T: list[Number] | None = None
+    p: Number | list[Number] | None = None
+    rh: Number | list[Number] | None = None
+    interpolation: Literal["linear", "monotone"] = "linear"
+
+    @model_validator(mode="after")
+    def _one_source(self) -> LevelsTable:
+        _exactly_one(self, "file", "h")
+        if (self.h is None) != (self.T is None):
+            raise PydanticCustomError("pair", "h and T belong together")
+        if self.file is not None and (self.p is not None or self.rh is not None):
+            raise PydanticCustomError("pair", "p and rh are in the file")
+        return self
+
+
+class HotSurfaceTable(Table):
+    type: Literal["hot-surface"]
+    base: AnyProfile
+    excess: Number
+    thickness: Positive
+
+
+class InversionTable(Table):
+    type: Literal["inversion"]
+    base: AnyProfile
+    height: Number
+    strength: Number
+    thickness: Positive
+
+
+AnyProfile = Annotated[StandardTable | PolytropicTable | LevelsTable | HotSurfaceTable | InversionTable,
+                       Field(discriminator="type")]
+
+
+class AtmosphereTable(Table):
+    """No dispersion: the air has its own."""
+
+    type: Literal["atmosphere"]
+    profile: AnyProfile
+    radius: Annotated[float, Field(strict=True, gt=0)] = 6371e3  # inf: flat
+    up: Vector = (0.0, 1.0, 0.0)
+    origin: Vector = (0.0, 0.0, 0.0)
+    refractivity: Literal["ciddor", "edlen", "iag1999"] = "ciddor"
+    bounds: BoundsTable | None = None
+
+
 AnyMedium = Annotated[
     HomogeneousTable
     | LinearSquaredTable
@@ -257,6 +335,9 @@ AnyMedium = Annotated[
     | FisheyeTable
     | EatonTable
     | SourcesTable
+
+
+    | AtmosphereTable
     | ExpressionTable
     | SumTable,
     Field(discriminator="type")]
@@ -332,7 +413,13 @@ class SphereTable(ShapeTable):
     radius: Positive
 
 
-AnyShape = Annotated[QuadsTable | MeshTable | SphereTable, Field(discriminator="type")]
+class GroundTable(ShapeTable):
+    """The sphere under the atmosphere that fills the scene."""
+
+    type: Literal["ground"]
+
+
+AnyShape = Annotated[QuadsTable | MeshTable | SphereTable | GroundTable, Field(discriminator="type")]
 
 
 # Lights, camera, render.
