@@ -52,6 +52,8 @@ cpm_status cpm_photons_irradiance(cpm_context *context, const cpm_photons *photo
     if (isnan(max_radius)) return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "max_radius is NaN");
     cpm_status status = check(context, points, normals, count, nearest);
     if (status) return status;
+    cpm_progress_begin(context);
+    cpm_progress(context, "gather", 0.0);
     request q = {photons, points, normals, nearest, max_radius > 0.0 ? max_radius : photons->diagonal, irradiance,
                  map == CPM_MAP_CAUSTIC ? CPM_CAUSTIC : CPM_DIRECT, map == CPM_MAP_CAUSTIC ? CPM_CAUSTIC : CPM_LATER};
     int failed = 0;
@@ -66,8 +68,9 @@ cpm_status cpm_photons_irradiance(cpm_context *context, const cpm_photons *photo
         }
 #pragma omp for schedule(dynamic, 64)
         for (size_t i = 0; i < count; i++)
-            if (ready) estimate(&q, queries, i);
+            if (ready && !cpm_poll(context)) estimate(&q, queries, i);
         for (int t = q.first; t <= q.last; t++) cpm_query_free(queries[t]);
     }
-    return failed ? cpm_fail(context, CPM_ERROR_OUT_OF_MEMORY, "no memory to search the photon maps") : CPM_OK;
+    if (failed) return cpm_fail(context, CPM_ERROR_OUT_OF_MEMORY, "no memory to search the photon maps");
+    return cpm_poll(context) ? cpm_fail(context, CPM_ERROR_CANCELLED, "cancelled while estimating irradiance") : CPM_OK;
 }
