@@ -148,9 +148,11 @@ static void see(viewer *v, const glance *g, const cpm_arrival *a, const float *w
         see_surface(v, g, a, weights, s);
 }
 
-/* Where in its pixel a sample lies: anywhere, so that a pixel is the mean over its square however few the samples; a
- * pixel's samples are a Sobol sequence scrambled by its own random numbers, so they cover it evenly however many. */
-static void place(cpm_random scramble, int32_t sample, double *x, double *y) {
+/* Where in its pixel a sample lies: a Sobol sequence scrambled by the pixel's own random numbers, so that samples cover
+ * the square evenly however many they are. One alone is in the middle (docs/decisions/0006-one-eye-ray.md). */
+static void place(const viewer *v, cpm_random scramble, int32_t sample, double *x, double *y) {
+    *x = *y = 0.5;
+    if (v->samples == 1) return;
     *x = cpm_uniform(cpm_sobol((uint32_t)sample, 0, scramble.v[0]));
     *y = cpm_uniform(cpm_sobol((uint32_t)sample, 1, scramble.v[1]));
 }
@@ -164,7 +166,7 @@ static void look(viewer *v, int32_t column, int32_t row, int32_t pixel, const cp
     const cpm_random scramble = cpm_philox(v->seed, (uint32_t)(row * image->width + column), 0, CPM_STREAM_EYE, 0);
     for (int32_t s = first; s < end; s++) {
         double x, y;
-        place(scramble, s, &x, &y);
+        place(v, scramble, s, &x, &y);
         double a = 2.0 * (column + x) / image->width - 1.0, b = 1.0 - 2.0 * (row + y) / image->height;
         glance g = {.pixel = pixel, .depth = -1};
         g.flight.position = v->origin;

@@ -209,10 +209,25 @@ class BlackTable(Table):
     type: Literal["black"]
 
 
+def _interior_kind(value: Any) -> str | None:
+    """A table without a type is a dispersion, or the n of a homogeneous medium."""
+    if not isinstance(value, dict):
+        return _kind(value)
+    return "<table>" if "type" in value else "<n>" if "n" in value else "<dispersion>"
+
+
+class PlainTable(MediumTable):
+    """A homogeneous medium that does not say so."""
+
+    n: Index
+
+
 class DielectricTable(Table):
     type: Literal["dielectric"]
-    interior: Annotated[ANumber | AName | Annotated[AnyMedium, Tag("<table>")],
-                        _meant("a number, a catalogue name or a medium")]
+    interior: Annotated[ANumber | AName | Annotated[AnyMedium, Tag("<table>")] | Annotated[PlainTable, Tag("<n>")]
+                        | Annotated[DispersionTable, Tag("<dispersion>")],
+                        Discriminator(_interior_kind, custom_error_type="kind", custom_error_message="must be a number, "
+                                      "a catalogue name, a dispersion or a medium")]
 
 
 AnyMaterial = Annotated[DiffuseTable | MirrorTable | BlackTable | DielectricTable, Field(discriminator="type")]
