@@ -208,14 +208,18 @@ static cpm_status run(const trace_work *w, cpm_ray_end *ends, double *positions,
         double reported = cpm_seconds();
         while (!cpm_poll(context)) {
 #pragma omp atomic capture
-            { first = next; next += chunk; }
+            {
+                first = next;
+                next += chunk;
+            }
             if (first >= count) break;
             const double start = cpm_seconds();
             code->trace(&w->control, &w->medium->data, w->medium->table, &w->goal, &arrays, first,
                         first + chunk < count ? first + chunk : count);
             const double now = cpm_seconds();
             if (now - start < SHORT_CHUNK && 2 * chunk <= most) chunk *= 2;
-            if (now - start > LONG_CHUNK && chunk > CPM_LANES) chunk = (chunk / 2 + CPM_LANES - 1) / CPM_LANES * CPM_LANES;
+            if (now - start > LONG_CHUNK && chunk > CPM_LANES)
+                chunk = (chunk / 2 + CPM_LANES - 1) / CPM_LANES * CPM_LANES;
             if (telling && now - reported > 0.1) {
                 reported = now;
                 cpm_progress(context, "trace", from + (to - from) * (double)first / (double)count);

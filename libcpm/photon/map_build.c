@@ -35,7 +35,8 @@ static void *large_alloc(size_t bytes) {
 
 /* Why a step was not done. */
 static cpm_status given_up(const cpm_builder *b) {
-    if (cpm_poll(b->context)) return cpm_fail(b->context, CPM_ERROR_CANCELLED, "cancelled while building the photon maps");
+    if (cpm_poll(b->context))
+        return cpm_fail(b->context, CPM_ERROR_CANCELLED, "cancelled while building the photon maps");
     return cpm_fail(b->context, CPM_ERROR_OUT_OF_MEMORY, "out of memory for a map of %zu photons", b->tree->count);
 }
 

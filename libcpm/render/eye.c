@@ -16,13 +16,13 @@
 #include "cl/shared/sobol.h"
 
 #define TILE 16
-#define SAMPLES_AT_ONCE 4    /* of each pixel: so many branches live together, however many samples are asked for */
-#define MAX_DEPTH 64         /* specular surfaces along one branch */
-#define LEAST_WEIGHT 1e-4f   /* of an eye ray: branches that carry less end */
+#define SAMPLES_AT_ONCE 4  /* of each pixel: so many branches live together, however many samples are asked for */
+#define MAX_DEPTH 64       /* specular surfaces along one branch */
+#define LEAST_WEIGHT 1e-4f /* of an eye ray: branches that carry less end */
 
 typedef struct glance { /* one branch of an eye ray */
     cpm_flight flight;
-    int32_t pixel;     /* in the tile */
+    int32_t pixel; /* in the tile */
     int32_t depth;
 } glance;
 
@@ -100,8 +100,8 @@ static void see_surface(viewer *v, const glance *g, const cpm_arrival *a, const 
     double *sum = &v->sum[(size_t)g->pixel * bins];
     if (s->light >= 0 && front) /* basic radiance as given, seen in index n_c */
         for (size_t b = 0; b < count; b++)
-            sum[first + b] += (double)weights[b] * pass->emission[(size_t)s->light * bins + first + b] *
-                              v->squared_index[first + b];
+            sum[first + b] +=
+                (double)weights[b] * pass->emission[(size_t)s->light * bins + first + b] * v->squared_index[first + b];
     const material *m = &pass->scene->materials[s->material];
     const float *reflectance = &pass->reflectance[(size_t)s->material * bins];
     if (m->kind == CPM_MATERIAL_MIRROR) {
@@ -239,7 +239,8 @@ cpm_status cpm_eye_pass(const cpm_pass *pass, const cpm_gather *gather, uint64_t
     model.splits = pass->disperses[medium];
     for (size_t b = 0; b < bins; b++) {
         double n = cpm_pass_index(pass, medium, (int32_t)b, model.origin);
-        if (!(n > 0.0)) return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "camera: n^2 is not positive at its origin");
+        if (!(n > 0.0))
+            return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "camera: n^2 is not positive at its origin");
         squared_index[b] = n * n;
     }
     cpm_progress(context, "gather", 0.0);
@@ -280,6 +281,7 @@ cpm_status cpm_eye_pass(const cpm_pass *pass, const cpm_gather *gather, uint64_t
     free(evaluations);
     image->stats.eye_evaluations = (uint64_t)sum;
     if (failed) return cpm_fail(context, CPM_ERROR_OUT_OF_MEMORY, "no memory for the eye pass");
-    if (cpm_progress(context, "gather", 1.0)) return cpm_fail(context, CPM_ERROR_CANCELLED, "cancelled while gathering");
+    if (cpm_progress(context, "gather", 1.0))
+        return cpm_fail(context, CPM_ERROR_CANCELLED, "cancelled while gathering");
     return CPM_OK;
 }

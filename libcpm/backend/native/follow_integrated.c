@@ -95,8 +95,7 @@ static void end_lane_step(lane_queue *q, int lane) {
 static void abandon(lane_queue *q) {
     for (int lane = 0; lane < CPM_LANES; lane++)
         if (q->owner[lane] < q->count) q->arrivals[q->owner[lane]].status = CPM_RAY_EVALUATIONS_EXHAUSTED;
-    for (size_t which; (which = next_flight(q)) < q->count;)
-        q->arrivals[which].status = CPM_RAY_EVALUATIONS_EXHAUSTED;
+    for (size_t which; (which = next_flight(q)) < q->count;) q->arrivals[which].status = CPM_RAY_EVALUATIONS_EXHAUSTED;
 }
 
 void cpm_follow_integrated(const cpm_pass *pass, const cpm_flight *flights, size_t count, int32_t medium,
