@@ -60,9 +60,9 @@ def main():
     table("mean radiance less the reference's, %, and relative RMSE, by region; seconds of the gather",
           ["correction", *(f"{region}, %" for region in NAMES), *NAMES, "s"], rows)
     share = float(np.median(np.subtract(seconds[True], seconds[False]) / np.array(totals[True])))
-    figures = [judge("mean radiance with the correction over the reference's", results["with"]["mean_ratio"]["picture"]),
-               judge("without", results["without"]["mean_ratio"]["picture"]),
-               judge("the correction's share of a render", share)]
+    figures = [judge("mean radiance with the correction over the reference's", results["with"]["mean_ratio"]["picture"], None),
+               judge("without", results["without"]["mean_ratio"]["picture"], None),
+               judge("the correction's share of a render", share, None)]
 
     figure, axes = new_figure(1, 2, (11, 4.2))
     for axis, (corrected, name) in zip(axes[0], ((True, "with"), (False, "without")), strict=True):

@@ -27,7 +27,8 @@ using Point = std::array<double, 3>;
 /* A context for one handle or one long call, so that neither messages nor progress of two Python threads meet. */
 class Context {
 public:
-    explicit Context(int32_t threads = 0);
+    /* `device`: an OpenCL device's index, -1: the processor's threads. */
+    explicit Context(int32_t threads = 0, int32_t device = -1);
     ~Context() { cpm_context_release(context_); }
     Context(const Context &) = delete;
     Context &operator=(const Context &) = delete;

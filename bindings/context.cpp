@@ -26,7 +26,7 @@ void raise_status(cpm_status status, const char *message) {
     throw py::error_already_set();
 }
 
-Context::Context(int32_t threads) {
+Context::Context(int32_t threads, int32_t device) {
     cpm_context_options options{};
     options.struct_size = sizeof options;
     options.threads = threads;
@@ -34,7 +34,35 @@ Context::Context(int32_t threads) {
     if (status == CPM_ERROR_INVALID_ARGUMENT)
         raise_status(status, ("threads is " + std::to_string(threads) + "; 0 (all) to 1024 are allowed").c_str());
     if (status != CPM_OK) raise_status(status, nullptr);
+    if (device < 0) return;
+    cpm_device_options on{};
+    on.struct_size = sizeof on;
+    on.device = device;
+    const cpm_status opened = cpm_context_set_device(context_, &on);
+    if (opened == CPM_OK) return;
+    const std::string message = cpm_context_last_error(context_);
+    cpm_context_release(context_); /* a constructor that throws has no destructor */
+    raise_status(opened, message.c_str());
 }
+
+namespace {
+
+py::list devices() {
+    const Context context;
+    size_t count = 0;
+    context.check(cpm_device_count(context.get(), &count));
+    py::list all;
+    for (size_t i = 0; i < count; i++) {
+        cpm_device_info info{};
+        info.struct_size = sizeof info;
+        context.check(cpm_device_describe(context.get(), i, &info));
+        all.append(py::make_tuple(info.name, info.platform, info.version, info.units, info.double_precision != 0,
+                                  info.memory));
+    }
+    return all;
+}
+
+} // namespace
 
 void Context::check(cpm_status status) const {
     if (status != CPM_OK) raise_status(status, cpm_context_last_error(context_));
@@ -69,6 +97,7 @@ void bind_context(py::module_ &module) {
     module.def("version", &cpm_version);
     module.def("build_info", &cpm_build_info);
     module.def("threads", [] { return cpm_context_threads(Context().get()); });
+    module.def("devices", &devices);
 
     py::dict ray_status;
 #define CPM_ENTRY(name, value, text) ray_status[text] = value;

@@ -7,8 +7,7 @@ struct Results {
     py::dict arrays;
 
     /* A new array under `name`, for the ABI to fill. */
-    template <class T>
-    T *add(const char *name, std::vector<py::ssize_t> shape) {
+    template <class T> T *add(const char *name, std::vector<py::ssize_t> shape) {
         py::array_t<T> array(shape);
         arrays[name] = array;
         return array.mutable_data();
@@ -19,10 +18,11 @@ struct Results {
 ptrdiff_t stride_of(const Doubles &values) { return values.size() == 1 ? 0 : 1; }
 
 py::dict trace(const Medium *medium, const Scene *scene, const Doubles &origins, const Doubles &directions,
-               const Doubles &wavelengths, const std::optional<Doubles> &lengths, const std::optional<Point> &plane_point,
-               const std::optional<Point> &plane_normal, int32_t method, uint32_t exclude, double rtol, double atol,
-               double step, double max_step, int64_t max_evaluations, int32_t error_mode, bool single_precision,
-               size_t path_samples, int32_t threads, py::object progress) {
+               const Doubles &wavelengths, const std::optional<Doubles> &lengths,
+               const std::optional<Point> &plane_point, const std::optional<Point> &plane_normal, int32_t method,
+               uint32_t exclude, double rtol, double atol, double step, double max_step, int64_t max_evaluations,
+               int32_t error_mode, bool single_precision, size_t path_samples, int32_t threads, int32_t device,
+               py::object progress) {
     const py::ssize_t count = origins.shape(0);
 
     cpm_rays_request request{};
@@ -68,7 +68,7 @@ py::dict trace(const Medium *medium, const Scene *scene, const Doubles &origins,
     result.shape = results.add<int32_t>("shape", {count});
     if (path_samples) result.paths = results.add<double>("paths", {count, static_cast<py::ssize_t>(path_samples), 3});
 
-    const Context context(threads);
+    const Context context(threads, device);
     run_long(context, std::move(progress), [&] {
         return cpm_rays_trace(context.get(), medium ? medium->handle.get() : nullptr,
                               scene ? scene->handle.get() : nullptr, &request, &result);
@@ -80,14 +80,13 @@ py::dict trace(const Medium *medium, const Scene *scene, const Doubles &origins,
 
 void bind_rays(py::module_ &module) {
     using py::arg;
-    module.attr("METHODS") =
-        py::dict(arg("auto") = int{CPM_METHOD_AUTO}, arg("exact") = int{CPM_METHOD_EXACT},
-                 arg("euler") = int{CPM_METHOD_EULER}, arg("rk4") = int{CPM_METHOD_RK4},
-                 arg("dopri5") = int{CPM_METHOD_DOPRI5});
+    module.attr("METHODS") = py::dict(arg("auto") = int{CPM_METHOD_AUTO}, arg("exact") = int{CPM_METHOD_EXACT},
+                                      arg("euler") = int{CPM_METHOD_EULER}, arg("rk4") = int{CPM_METHOD_RK4},
+                                      arg("dopri5") = int{CPM_METHOD_DOPRI5});
     module.attr("ERROR_MODES") = py::dict(arg("local") = int{CPM_ERROR_LOCAL}, arg("global") = int{CPM_ERROR_GLOBAL});
     module.def("trace", &trace, py::kw_only(), arg("medium").none(true), arg("scene").none(true), arg("origins"),
                arg("directions"), arg("wavelengths"), arg("lengths").none(true), arg("plane_point").none(true),
                arg("plane_normal").none(true), arg("method"), arg("exclude"), arg("rtol"), arg("atol"), arg("step"),
-               arg("max_step"), arg("max_evaluations"), arg("error_mode"), arg("single_precision"),
-               arg("path_samples"), arg("threads"), arg("progress").none(true));
+               arg("max_step"), arg("max_evaluations"), arg("error_mode"), arg("single_precision"), arg("path_samples"),
+               arg("threads"), arg("device"), arg("progress").none(true));
 }

@@ -1,5 +1,5 @@
-# CPM_OPENCL_HEADERS_VERSION: "3.0" and the like, empty where there are no headers. The kernels of cl/ need none to be
-# installed; they are compiled by the device's own compiler.
+# CPM_OPENCL_HEADERS_VERSION: "3.0" and the like, empty where there are no headers: then the library is built without the
+# OpenCL backend. The loader itself is found when the library runs, or not.
 set(CPM_OPENCL_HEADERS_VERSION "")
 find_path(OPENCL_HEADERS_DIR CL/cl_version.h)
 mark_as_advanced(OPENCL_HEADERS_DIR)

@@ -1,8 +1,8 @@
 /* shared/curve.h: a piece of a curved ray as a polynomial, and where it meets triangles and spheres.
  *
- * r(theta) = sum c_i theta^i, theta in [0, 1]. Degree 1: straight; 2: the exact parabola of a linear n^2; 5: the quintic
- * Hermite that takes position, momentum and acceleration at both ends. Hits are roots of the whole curve, not of a
- * chord, so nothing leaks between chords; a chord serves only to find candidates. */
+ * r(theta) = sum c_i theta^i, theta in [0, 1]. Degree 1: straight; 2: the exact parabola of a linear n^2; 5: the
+ * quintic Hermite that takes position, momentum and acceleration at both ends. Hits are roots of the whole curve, not
+ * of a chord, so nothing leaks between chords; a chord serves only to find candidates. */
 #ifndef CPM_SHARED_CURVE_H
 #define CPM_SHARED_CURVE_H
 #include "../types/geometry.h"
@@ -53,12 +53,14 @@ CPM_INLINE cpm_vec cpm_curve_tangent(const cpm_curve *k, double t) { /* dr/dthet
     return v;
 }
 
-/* How far the curve between theta and theta + w leaves its chord at the most: w^2/8 max |r''|. */
-CPM_INLINE double cpm_curve_sagitta(const cpm_curve *k, double w) {
-    if (k->degree == 1) return 0.0;
-    double b = 2.0 * cpm_norm(k->c[2]);
-    if (k->degree > 2) b += 6.0 * cpm_norm(k->c[3]) + 12.0 * cpm_norm(k->c[4]) + 20.0 * cpm_norm(k->c[5]);
-    return 0.125 * w * w * b;
+/* How far the curve between theta and theta + w leaves its chord at the most, along each axis: w^2/8 max |r''|. */
+CPM_INLINE cpm_vec cpm_curve_strays(const cpm_curve *k, double w) {
+    double f = 0.125 * w * w, bend[3] = {0.0, 0.0, 0.0};
+    for (int i = 2; i <= k->degree; i++) {
+        double turn = f * (double)(i * (i - 1));
+        bend[0] += turn * fabs(k->c[i].x), bend[1] += turn * fabs(k->c[i].y), bend[2] += turn * fabs(k->c[i].z);
+    }
+    return cpm_v(bend[0], bend[1], bend[2]);
 }
 
 /* Roots of (curve - point) . normal in (a, b]; with `leaving`, the root at theta = 0 is divided out, so that a ray may
@@ -111,23 +113,41 @@ CPM_INLINE double cpm_curve_triangle(const cpm_curve *k, const cpm_triangle *t, 
     return -2.0;
 }
 
-/* The part of a curve that a chord stands for: no point of it is farther from the chord than `off`. */
+/* The part of a curve that a chord stands for: at no theta is it farther from the chord than `off` along an axis. */
 typedef struct cpm_chord {
     cpm_vec start, end; /* of the curve at a and b */
-    double off, a, b;
+    cpm_vec off;
+    double a, b;
 } cpm_chord;
 
-/* The one root of a parabola whose ends are on opposite sides of the plane: it crosses from the side `from` (1: that of
- * the normal), so f' there has the sign of the crossing, and the quadratic's root is the one with that slope. */
-CPM_INLINE double cpm_chord_parabola(const cpm_curve *k, const cpm_chord *chord, const cpm_triangle *t, cpm_vec corner,
-                                     cpm_vec n, double b, int from, double *u, double *v) {
-    double f0 = cpm_vdot(cpm_sub(k->c[0], corner), n), f1 = cpm_vdot(k->c[1], n), f2 = cpm_vdot(k->c[2], n);
+/* As cpm_curve_triangle where the degree is 2: the distance from the plane over [a, b] has Bernstein coefficients fa,
+ * fm, fb. All of one sign: no root. Ends on opposite sides: one root, the quadratic's with that slope. */
+CPM_INLINE double cpm_parabola_triangle(const cpm_curve *k, const cpm_triangle *t, int leaving, double a, double b,
+                                        double *u, double *v) {
+    cpm_vec n = cpm_v(t->normal[0], t->normal[1], t->normal[2]);
+    double f0 = cpm_vdot(cpm_v(k->c[0].x - t->corner[0], k->c[0].y - t->corner[1], k->c[0].z - t->corner[2]), n);
+    double f1 = cpm_vdot(k->c[1], n), f2 = cpm_vdot(k->c[2], n), root;
+    if (leaving) { /* the root at 0 divided out: f1 + f2 theta */
+        double fb = f1 + b * f2;
+        if ((f1 > 0.0 && fb > 0.0) || (f1 < 0.0 && fb < 0.0) || f2 == 0.0) return -2.0;
+        root = -f1 / f2;
+        if (!(root > (a < 0.0 ? 0.0 : a) && root <= b)) return -2.0;
+        return cpm_triangle_contains(t, cpm_curve_at(k, root), u, v) ? root : -2.0;
+    }
+    double fa = f0 + a * (f1 + a * f2), fb = f0 + b * (f1 + b * f2), fm = fa + 0.5 * (b - a) * (f1 + 2.0 * a * f2);
+    if ((fa > 0.0 && fm > 0.0 && fb > 0.0) || (fa < 0.0 && fm < 0.0 && fb < 0.0)) return -2.0;
     double d = f1 * f1 - 4.0 * f2 * f0;
-    if (!(d >= 0.0)) return -2.0;
-    double slope = from ? -sqrt(d) : sqrt(d); /* f1 + 2 f2 theta at the root */
-    double root = (f1 < 0.0) == (slope < 0.0) ? -2.0 * f0 / (f1 + slope) : (slope - f1) / (2.0 * f2);
-    if (!(root > chord->a && root <= b)) return -2.0;
-    return cpm_triangle_contains(t, cpm_curve_at(k, root), u, v) ? root : -2.0;
+    if ((fa > 0.0 && fb < 0.0) || (fa < 0.0 && fb > 0.0)) {
+        double slope = fa > 0.0 ? -sqrt(cpm_max(d, 0.0)) : sqrt(cpm_max(d, 0.0)); /* f1 + 2 f2 theta at the root */
+        root = (f1 < 0.0) == (slope < 0.0) ? -2.0 * f0 / (f1 + slope) : (slope - f1) / (2.0 * f2);
+        root = cpm_min(cpm_max(root, a), b); /* the signs say that it is between; rounding may not */
+        return cpm_triangle_contains(t, cpm_curve_at(k, root), u, v) ? root : -2.0;
+    }
+    double roots[2];
+    int count = cpm_roots_quadratic(f0, f1, f2, a, b, roots);
+    for (int i = 0; i < count; i++)
+        if (cpm_triangle_contains(t, cpm_curve_at(k, roots[i]), u, v)) return roots[i];
+    return -2.0;
 }
 
 /* As cpm_curve_triangle, for a triangle that the ray does not start on: most are told apart by the chord's ends. Both
@@ -138,10 +158,9 @@ CPM_INLINE double cpm_chord_triangle(const cpm_curve *k, const cpm_chord *chord,
     cpm_vec corner = cpm_v(t->corner[0], t->corner[1], t->corner[2]);
     cpm_vec n = cpm_v(t->normal[0], t->normal[1], t->normal[2]);
     double da = cpm_vdot(cpm_sub(chord->start, corner), n), db = cpm_vdot(cpm_sub(chord->end, corner), n);
-    double off = chord->off * t->normal_length;
+    double off = fabs(n.x) * chord->off.x + fabs(n.y) * chord->off.y + fabs(n.z) * chord->off.z;
     if ((da > off && db > off) || (da < -off && db < -off)) return -2.0;
     if ((da > off && db < -off) || (da < -off && db > off)) {
-        if (k->degree == 2) return cpm_chord_parabola(k, chord, t, corner, n, b, da > 0.0, u, v);
         if (fabs(db - da) > 5.0 * off && k->degree > 2) {
             double f[6];
             f[0] = cpm_vdot(cpm_sub(k->c[0], corner), n);

@@ -9,6 +9,8 @@
 #include <string.h>
 #include <time.h>
 
+#include "backend/opencl/device.h"
+
 #define MAX_THREADS 1024
 #define TELL_EVERY 0.05  /* s between reports that nothing but cpm_poll makes */
 #define WAIT_NAP 2000000 /* ns between looks at the other threads */
@@ -33,7 +35,9 @@ void cpm_context_retain(cpm_context *context) {
 }
 
 void cpm_context_release(cpm_context *context) {
-    if (context && atomic_fetch_sub(&context->references, 1) == 1) free(context);
+    if (!context || atomic_fetch_sub(&context->references, 1) != 1) return;
+    cpm_opencl_close(context);
+    free(context);
 }
 
 const char *cpm_context_last_error(const cpm_context *context) { return context ? context->message : ""; }

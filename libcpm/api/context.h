@@ -8,6 +8,7 @@
 struct cpm_context {
     atomic_int references;
     int32_t threads;
+    void *opencl; /* cpm_opencl of backend/opencl/device.h; NULL: the native backend */
     cpm_progress_callback progress;
     void *progress_user;
     atomic_int cancelled; /* set once the callback says so, cleared when a long call begins */

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "backend/native/lanes.h"
+#include "backend/opencl/trace.h"
 #include "context.h"
 #include "medium/medium.h"
 #include "scene/rays.h"
@@ -191,6 +192,10 @@ static cpm_status fill_starts(trace_work *w) {
  * chunks grow while they take little time and shrink where rays are long: cancelling waits for the chunks at work. */
 static cpm_status run(const trace_work *w, cpm_ray_end *ends, double *positions, double from, double to) {
     cpm_context *context = w->context;
+    if (context->opencl)
+        return cpm_opencl_trace(context, w->medium, &w->control, &w->goal, w->request->single_precision, w->starts,
+                                ends, positions, positions ? (int64_t)w->request->path_samples : 0,
+                                (int64_t)w->request->count, from, to);
     const cpm_lane_code *code = cpm_lane_code_for(w->request->single_precision);
     const int64_t count = (int64_t)w->request->count;
     const int64_t fair = count / (8 * context->threads) / CPM_LANES * CPM_LANES; /* leaves each thread several */

@@ -1,8 +1,8 @@
 /* backend/backend.h: what a backend does: the two passes over rays. Everything else (scenes, inspection, emitters'
  * shares, projection maps' weights, film, files) is shared code above it.
  *
- * `native` (backend/native) runs threads over Embree. `opencl` (backend/opencl) will run the kernels of cl/ on a
- * device; its place is here, its code is not written yet. One source for the physics: what either does to one item is
+ * `native` (backend/native) runs threads over Embree. `opencl` (backend/opencl) runs the kernels of cl/ on a device:
+ * rays alone in a medium so far (trace.h there); its vtable, with photons and the eye, is not written yet. One source for the physics: what either does to one item is
  * in cl/shared. A pass's results depend on its arguments alone, not on the backend's threads or batches. */
 #ifndef CPM_BACKEND_H
 #define CPM_BACKEND_H

@@ -1,10 +1,5 @@
-/* geometry/geometry.c: Embree scenes over double-precision primitives. See geometry.h for the two ways to ask.
- *
- * Why nothing leaks. A curve stays within `sagitta` of its chord, and the chord of theta in [a, b] is at parameter theta
- * when the curve is at theta: so where the curve meets a primitive, the chord is inside the primitive's grown box at
- * that very parameter. Embree therefore reports the primitive before it passes that parameter, and shortening the
- * chord to the best theta so far never hides a nearer one. Float rounding is covered by growing the boxes by a few ulp
- * of the largest coordinate. */
+/* geometry/geometry.c: primitives in double, and what is built over them: Embree's scene for straight rays
+ * (straight.c), a tree for curves (bvh.c, curve.c). See geometry.h for the two ways to ask. */
 #include "geometry.h"
 
 #include <float.h>
@@ -14,38 +9,11 @@
 #include <string.h>
 
 #include "embree.h"
+#include "parts.h"
 
-#define ULP 1.2e-7              /* of a float, relative */
-#define START_ULPS 8.0          /* a straight float ray starts this many ulp of the scene away */
-#define SAGITTA_OF_DIAGONAL 0.02 /* boxes of large triangles are grown by at most this part of the scene */
-#define SAGITTA_OF_EDGE 0.5      /* and by half the median edge of small ones */
-#define MAX_CHORDS 100000.0
+#define SAGITTA_OF_DIAGONAL 0.02 /* the farthest that a chord may be from its curve: of the scene */
+#define SAGITTA_OF_EDGE 0.5      /* and of the median edge of small triangles */
 #define STEP_BACK 1e-12
-#define OVERLAP 1e-12 /* of theta: a root where two chords meet belongs to one of them at least */
-
-struct cpm_geometry {
-    const cpm_triangle *triangles;
-    const cpm_sphere *spheres;
-    size_t triangle_count, sphere_count;
-    cpm_box box;
-    cpm_vec center;  /* subtracted before anything becomes float */
-    double scale;    /* largest |coordinate - center| of the box */
-    double sagitta;
-    RTCDevice device;
-    RTCScene straight, curved;
-};
-
-/* One query: what the callbacks need beside Embree's float ray. */
-typedef struct query {
-    cpm_embree_context base; /* first: Embree hands it back */
-    const cpm_geometry *geometry;
-    const cpm_curve *curve;
-    cpm_chord chord; /* a, b: theta of its ends */
-    int32_t left;
-    double slack; /* theta within which the filter is asked */
-    const cpm_filter *filter;
-    cpm_hit best;
-} query;
 
 int cpm_triangle_complete(cpm_triangle *t, double scale) {
     cpm_vec e1 = cpm_v(t->edge1[0], t->edge1[1], t->edge1[2]), e2 = cpm_v(t->edge2[0], t->edge2[1], t->edge2[2]);
@@ -84,21 +52,27 @@ static double choose_sagitta(const cpm_geometry *g, double diagonal) {
 
 cpm_box cpm_geometry_box(const cpm_geometry *geometry) { return geometry->box; }
 
-static void measure_box(cpm_geometry *g) {
-    for (int k = 0; k < 3; k++) g->box.low[k] = INFINITY, g->box.high[k] = -INFINITY;
-    for (size_t i = 0; i < g->triangle_count; i++) {
-        const cpm_triangle *t = &g->triangles[i];
+void cpm_primitive_box(const cpm_geometry *g, size_t primitive, double low[3], double high[3]) {
+    if (primitive < g->triangle_count) {
+        const cpm_triangle *t = &g->triangles[primitive];
         for (int k = 0; k < 3; k++) {
             double a = t->corner[k], b = a + t->edge1[k], c = a + t->edge2[k];
-            g->box.low[k] = cpm_min(g->box.low[k], cpm_min(a, cpm_min(b, c)));
-            g->box.high[k] = cpm_max(g->box.high[k], cpm_max(a, cpm_max(b, c)));
+            low[k] = cpm_min(a, cpm_min(b, c)), high[k] = cpm_max(a, cpm_max(b, c));
         }
+    } else {
+        const cpm_sphere *s = &g->spheres[primitive - g->triangle_count];
+        for (int k = 0; k < 3; k++) low[k] = s->center[k] - s->radius, high[k] = s->center[k] + s->radius;
     }
-    for (size_t i = 0; i < g->sphere_count; i++) {
-        const cpm_sphere *s = &g->spheres[i];
+}
+
+static void measure_box(cpm_geometry *g) {
+    for (int k = 0; k < 3; k++) g->box.low[k] = INFINITY, g->box.high[k] = -INFINITY;
+    for (size_t i = 0; i < g->triangle_count + g->sphere_count; i++) {
+        double low[3], high[3];
+        cpm_primitive_box(g, i, low, high);
         for (int k = 0; k < 3; k++) {
-            g->box.low[k] = cpm_min(g->box.low[k], s->center[k] - s->radius);
-            g->box.high[k] = cpm_max(g->box.high[k], s->center[k] + s->radius);
+            g->box.low[k] = cpm_min(g->box.low[k], low[k]);
+            g->box.high[k] = cpm_max(g->box.high[k], high[k]);
         }
     }
 }
@@ -130,159 +104,76 @@ cpm_status cpm_geometry_create(cpm_context *context, const cpm_triangle *triangl
 void cpm_geometry_free(cpm_geometry *g) {
     if (!g) return;
     if (g->straight) rtcReleaseScene(g->straight);
-    if (g->curved) rtcReleaseScene(g->curved);
+    cpm_bvh_free(&g->curved);
     if (g->device) rtcReleaseDevice(g->device);
     free(g);
 }
 
-/* ------------------------------------------------------------------------------------------------ building */
+extern const cpm_curve_code cpm_curve_code_baseline;
+#if CPM_ISA_COUNT > 1
+extern const cpm_curve_code cpm_curve_code_v3, cpm_curve_code_v4;
+#endif
 
-static void primitive_bounds(const cpm_geometry *g, size_t primitive, double grow, struct RTCBounds *o) {
-    double low[3], high[3], center[3] = {g->center.x, g->center.y, g->center.z};
-    if (primitive < g->triangle_count) {
-        const cpm_triangle *t = &g->triangles[primitive];
-        for (int k = 0; k < 3; k++) {
-            double a = t->corner[k], b = a + t->edge1[k], c = a + t->edge2[k];
-            low[k] = cpm_min(a, cpm_min(b, c)), high[k] = cpm_max(a, cpm_max(b, c));
-        }
-    } else {
-        const cpm_sphere *s = &g->spheres[primitive - g->triangle_count];
-        for (int k = 0; k < 3; k++) low[k] = s->center[k] - s->radius, high[k] = s->center[k] + s->radius;
-    }
-    float f[6];
+static const cpm_curve_code *curve_code_for(cpm_isa isa) {
+#if CPM_ISA_COUNT > 1
+    if (isa == CPM_ISA_V4) return &cpm_curve_code_v4;
+    if (isa == CPM_ISA_V3) return &cpm_curve_code_v3;
+#endif
+    (void)isa;
+    return &cpm_curve_code_baseline;
+}
+
+void cpm_geometry_curve(const cpm_geometry *g, const cpm_curve *curve, double theta_end, int32_t left, double slack,
+                        const cpm_filter *filter, cpm_hit *hit) {
+    hit->primitive = -1;
+    if (g->curved.nodes) g->curve_code->first_hit(g, curve, theta_end, left, slack, filter, hit);
+}
+
+void cpm_geometry_curves(const cpm_geometry *g, const cpm_curve *curves, const double *from, const int32_t *left,
+                         size_t count, cpm_hit *hits) {
+    for (size_t i = 0; i < count; i++) hits[i].primitive = -1;
+    if (g->curved.nodes) g->curve_code->first_hits(g, curves, from, left, count, hits);
+}
+
+/* An affine function of position as the tree has it: slope . (r - point) with r = center + q/unit. */
+static void set_row(const cpm_geometry *g, float *row, cpm_vec slope, cpm_vec point) {
+    row[0] = (float)(slope.x / g->unit), row[1] = (float)(slope.y / g->unit), row[2] = (float)(slope.z / g->unit);
+    row[3] = (float)cpm_vdot(slope, cpm_sub(g->center, point));
+}
+
+/* In units of the scene; ROUNDING of curve_walk.h covers what float does to it. */
+static void set_leaf(const cpm_geometry *g, size_t primitive, cpm_bvh_leaf *leaf) {
+    const double center[3] = {g->center.x, g->center.y, g->center.z};
+    double low[3], high[3];
+    memset(leaf, 0, sizeof *leaf);
+    cpm_primitive_box(g, primitive, low, high);
     for (int k = 0; k < 3; k++) {
-        double margin = grow + 4.0 * ULP * (g->scale + fabs(low[k] - center[k]) + fabs(high[k] - center[k]));
-        f[k] = (float)(low[k] - center[k] - margin);
-        f[3 + k] = (float)(high[k] - center[k] + margin);
+        leaf->box[k] = (float)((low[k] - center[k]) * g->unit);
+        leaf->box[3 + k] = (float)((high[k] - center[k]) * g->unit);
     }
-    o->lower_x = f[0], o->lower_y = f[1], o->lower_z = f[2];
-    o->upper_x = f[3], o->upper_y = f[4], o->upper_z = f[5];
-}
-
-static void curve_bounds(const struct RTCBoundsFunctionArguments *args) {
-    const cpm_geometry *g = args->geometryUserPtr;
-    primitive_bounds(g, args->primID, g->sagitta, args->bounds_o);
-}
-
-static void sphere_bounds(const struct RTCBoundsFunctionArguments *args) {
-    const cpm_geometry *g = args->geometryUserPtr;
-    primitive_bounds(g, g->triangle_count + args->primID, 0.0, args->bounds_o);
-}
-
-/* Tests the query's curve against one primitive; shortens Embree's ray to the best so far. */
-static void test_primitive(query *q, size_t primitive, struct RTCRayHit *rayhit) {
-    const cpm_geometry *g = q->geometry;
-    double end = q->best.primitive >= 0 && q->best.t < q->chord.b ? q->best.t : q->chord.b;
-    int leaving = (int32_t)primitive == q->left;
-    double u = 0.0, v = 0.0;
-    double t = primitive < g->triangle_count
-                   ? leaving ? cpm_curve_triangle(q->curve, &g->triangles[primitive], 1, q->chord.a, end, &u, &v)
-                             : cpm_chord_triangle(q->curve, &q->chord, &g->triangles[primitive], end, &u, &v)
-                   : cpm_curve_sphere(q->curve, &g->spheres[primitive - g->triangle_count], leaving, q->chord.a, end);
-    if (!(t > -1.0)) return;
-    if (q->filter && t <= q->slack &&
-        !q->filter->counts(q->filter->user, (int32_t)primitive, cpm_curve_at(q->curve, t),
-                           cpm_curve_tangent(q->curve, t)))
-        return;
-    if (q->best.primitive >= 0 && (t > q->best.t || (t == q->best.t && (int32_t)primitive >= q->best.primitive))) return;
-    q->best.primitive = (int32_t)primitive;
-    q->best.t = t, q->best.u = u, q->best.v = v;
-    /* a little beyond the best, so that an equal hit of a lower number is still seen */
-    float far = (float)((t - q->chord.a) / (q->chord.b - q->chord.a)) * (1.0f + 4.0f * FLT_EPSILON) + FLT_EPSILON;
-    if (far < rayhit->ray.tfar) rayhit->ray.tfar = far;
-    rayhit->hit.geomID = 0;
-    rayhit->hit.primID = (unsigned)primitive;
-}
-
-static void curve_intersect(const struct RTCIntersectFunctionNArguments *args) {
-    if (!args->valid[0]) return;
-    test_primitive((query *)(void *)args->context, args->primID, (struct RTCRayHit *)(void *)args->rayhit);
-}
-
-/* The same for any-hit queries. */
-static void sphere_occluded(const struct RTCOccludedFunctionNArguments *args) {
-    if (!args->valid[0]) return;
-    query *q = (query *)(void *)args->context;
-    struct RTCRay *ray = (struct RTCRay *)(void *)args->ray;
-    double t = cpm_curve_sphere(q->curve, &q->geometry->spheres[args->primID], 0, q->chord.a, (double)ray->tfar);
-    if (t > 0.0) ray->tfar = -INFINITY;
-}
-
-/* Spheres among Embree's triangles: the straight ray in double; t is in metres there, as the query's curve is. */
-static void sphere_intersect(const struct RTCIntersectFunctionNArguments *args) {
-    if (!args->valid[0]) return;
-    query *q = (query *)(void *)args->context;
-    struct RTCRayHit *rayhit = (struct RTCRayHit *)(void *)args->rayhit;
-    size_t primitive = q->geometry->triangle_count + args->primID;
-    double t = cpm_curve_sphere(q->curve, &q->geometry->spheres[args->primID], (int32_t)primitive == q->left, q->chord.a,
-                                (double)rayhit->ray.tfar);
-    if (!(t > 0.0)) return;
-    rayhit->ray.tfar = (float)t;
-    rayhit->hit.geomID = 1;
-    rayhit->hit.primID = args->primID;
-}
-
-static cpm_status embree_failed(cpm_context *context, cpm_geometry *g) {
-    return cpm_fail(context, CPM_ERROR_BACKEND, "Embree failed with code %d while building the scene",
-                    (int)rtcGetDeviceError(g->device));
+    if (primitive >= g->triangle_count) return;
+    const cpm_triangle *t = &g->triangles[primitive];
+    const cpm_vec corner = cpm_v(t->corner[0], t->corner[1], t->corner[2]);
+    const cpm_vec e1 = cpm_v(t->edge1[0], t->edge1[1], t->edge1[2]), e2 = cpm_v(t->edge2[0], t->edge2[1], t->edge2[2]);
+    const cpm_vec n = cpm_v(t->normal[0], t->normal[1], t->normal[2]);
+    set_row(g, &leaf->face[CPM_FACE_PLANE], cpm_scaled(g->unit / t->normal_length, n), corner);
+    set_row(g, &leaf->face[CPM_FACE_U], cpm_scaled(t->inverse_area2, cpm_cross(e2, n)), corner);
+    set_row(g, &leaf->face[CPM_FACE_V], cpm_scaled(t->inverse_area2, cpm_cross(n, e1)), corner);
 }
 
 static cpm_status build_curved(cpm_context *context, cpm_geometry *g) {
-    g->curved = rtcNewScene(g->device);
-    rtcSetSceneFlags(g->curved, RTC_SCENE_FLAG_ROBUST);
-    RTCGeometry all = rtcNewGeometry(g->device, RTC_GEOMETRY_TYPE_USER);
-    rtcSetGeometryUserPrimitiveCount(all, (unsigned)(g->triangle_count + g->sphere_count));
-    rtcSetGeometryUserData(all, g);
-    rtcSetGeometryBoundsFunction(all, curve_bounds, NULL);
-    rtcSetGeometryIntersectFunction(all, curve_intersect);
-    rtcCommitGeometry(all);
-    rtcAttachGeometryByID(g->curved, all, 0);
-    rtcReleaseGeometry(all);
-    rtcCommitScene(g->curved);
-    return rtcGetDeviceError(g->device) == RTC_ERROR_NONE ? CPM_OK : embree_failed(context, g);
-}
-
-static cpm_status build_straight(cpm_context *context, cpm_geometry *g) {
-    g->straight = rtcNewScene(g->device);
-    rtcSetSceneFlags(g->straight, RTC_SCENE_FLAG_ROBUST);
-    if (g->triangle_count) {
-        RTCGeometry mesh = rtcNewGeometry(g->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-        float *vertices = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12,
-                                                  3 * g->triangle_count);
-        unsigned *faces = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12,
-                                                  g->triangle_count);
-        if (!vertices || !faces) {
-            rtcReleaseGeometry(mesh);
-            return embree_failed(context, g);
-        }
-        double center[3] = {g->center.x, g->center.y, g->center.z};
-        for (size_t i = 0; i < g->triangle_count; i++) {
-            const cpm_triangle *t = &g->triangles[i];
-            for (int k = 0; k < 3; k++) {
-                double a = t->corner[k] - center[k];
-                vertices[9 * i + (size_t)k] = (float)a;
-                vertices[9 * i + 3 + (size_t)k] = (float)(a + t->edge1[k]);
-                vertices[9 * i + 6 + (size_t)k] = (float)(a + t->edge2[k]);
-                faces[3 * i + (size_t)k] = (unsigned)(3 * i + (size_t)k);
-            }
-        }
-        rtcCommitGeometry(mesh);
-        rtcAttachGeometryByID(g->straight, mesh, 0);
-        rtcReleaseGeometry(mesh);
+    const size_t count = g->triangle_count + g->sphere_count;
+    const char *why = "no memory to build the tree of the scene's primitives";
+    cpm_bvh_leaf *leaves = malloc(count * sizeof *leaves);
+    int built = 0;
+    g->unit = 1.0 / g->scale;
+    g->curve_code = curve_code_for(cpm_isa_chosen());
+    if (leaves) {
+        for (size_t i = 0; i < count; i++) set_leaf(g, i, &leaves[i]);
+        built = cpm_bvh_build(g->device, leaves, count, &g->curved, &why);
+        free(leaves);
     }
-    if (g->sphere_count) {
-        RTCGeometry balls = rtcNewGeometry(g->device, RTC_GEOMETRY_TYPE_USER);
-        rtcSetGeometryUserPrimitiveCount(balls, (unsigned)g->sphere_count);
-        rtcSetGeometryUserData(balls, g);
-        rtcSetGeometryBoundsFunction(balls, sphere_bounds, NULL);
-        rtcSetGeometryIntersectFunction(balls, sphere_intersect);
-        rtcSetGeometryOccludedFunction(balls, sphere_occluded);
-        rtcCommitGeometry(balls);
-        rtcAttachGeometryByID(g->straight, balls, 1);
-        rtcReleaseGeometry(balls);
-    }
-    rtcCommitScene(g->straight);
-    return rtcGetDeviceError(g->device) == RTC_ERROR_NONE ? CPM_OK : embree_failed(context, g);
+    return built ? CPM_OK : cpm_fail(context, CPM_ERROR_BACKEND, "%s", why);
 }
 
 cpm_status cpm_geometry_prepare(cpm_context *context, cpm_geometry *g, int straight, int curved) {
@@ -293,31 +184,15 @@ cpm_status cpm_geometry_prepare(cpm_context *context, cpm_geometry *g, int strai
         g->device = rtcNewDevice(config);
         if (!g->device) return cpm_fail(context, CPM_ERROR_BACKEND, "Embree gave no device");
     }
-    /* straight rays fall back on the curve scene near edges */
-    if ((curved || straight) && !g->curved) {
+    /* straight rays fall back on the curves' tree near edges */
+    if ((curved || straight) && !g->curved.nodes) {
         cpm_status status = build_curved(context, g);
         if (status) return status;
     }
-    return straight && !g->straight ? build_straight(context, g) : CPM_OK;
+    return straight && !g->straight ? cpm_straight_build(context, g) : CPM_OK;
 }
 
-/* ------------------------------------------------------------------------------------------------- asking */
-
-static void set_ray(struct RTCRayHit *rayhit, cpm_vec origin, cpm_vec direction, float near, float far) {
-    memset(rayhit, 0, sizeof *rayhit);
-    rayhit->ray.org_x = (float)origin.x, rayhit->ray.org_y = (float)origin.y, rayhit->ray.org_z = (float)origin.z;
-    rayhit->ray.dir_x = (float)direction.x, rayhit->ray.dir_y = (float)direction.y,
-    rayhit->ray.dir_z = (float)direction.z;
-    rayhit->ray.tnear = near;
-    rayhit->ray.tfar = far;
-    rayhit->ray.mask = 0xFFFFFFFFu;
-    rayhit->hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    rayhit->hit.primID = RTC_INVALID_GEOMETRY_ID;
-    rayhit->hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-}
-
-/* The part [enter, leave] of o + t d inside the box grown by `grow`; 0: none. */
-static int clip_to_box(const cpm_geometry *g, cpm_vec o, cpm_vec d, double grow, double *enter, double *leave) {
+int cpm_clip_to_box(const cpm_geometry *g, cpm_vec o, cpm_vec d, double grow, double *enter, double *leave) {
     const double *low = g->box.low, *high = g->box.high;
     double origin[3] = {o.x, o.y, o.z}, direction[3] = {d.x, d.y, d.z};
     for (int k = 0; k < 3; k++) {
@@ -332,108 +207,6 @@ static int clip_to_box(const cpm_geometry *g, cpm_vec o, cpm_vec d, double grow,
     return *enter <= *leave;
 }
 
-void cpm_geometry_curve(const cpm_geometry *g, const cpm_curve *curve, double theta_end, int32_t left, double slack,
-                        const cpm_filter *filter, cpm_hit *hit) {
-    query q;
-    hit->primitive = -1;
-    if (!g->curved) return;
-    cpm_embree_context_init(&q.base);
-    q.geometry = g;
-    q.curve = curve;
-    q.left = left;
-    q.slack = slack;
-    q.filter = slack > 0.0 ? filter : NULL;
-    q.best.primitive = -1;
-    q.best.t = INFINITY;
-    double sagitta = cpm_curve_sagitta(curve, theta_end);
-    double chords = 1.0;
-    if (sagitta > g->sagitta) chords = cpm_min(ceil(sqrt(sagitta / g->sagitta)), MAX_CHORDS);
-    double grow = sagitta / (chords * chords) + 1e-12 * g->scale;
-    cpm_vec start = curve->c[0];
-    for (double i = 0.0; i < chords && q.best.primitive < 0; i++) {
-        double a = theta_end * i / chords, b = i + 1.0 < chords ? theta_end * (i + 1.0) / chords : theta_end;
-        cpm_vec end = cpm_curve_at(curve, b), chord = cpm_sub(end, start);
-        double enter = 0.0, leave = 1.0; /* cut to the scene's box: fewer queries, and float sees small numbers */
-        if (clip_to_box(g, start, chord, grow, &enter, &leave)) {
-            struct RTCRayHit rayhit;
-            set_ray(&rayhit, cpm_sub(cpm_along(start, enter, chord), g->center), cpm_scaled(leave - enter, chord),
-                    0.0f, 1.0f);
-            q.chord.a = i == 0.0 && enter == 0.0 ? -slack : a + enter * (b - a) - OVERLAP * theta_end;
-            q.chord.b = a + leave * (b - a);
-            q.chord.start = cpm_along(start, enter, chord), q.chord.end = cpm_along(start, leave, chord);
-            q.chord.off = grow + 1e-9 * g->scale; /* also of this part of the chord; and of a start that looks back */
-            cpm_embree_intersect(g->curved, &q.base, &rayhit);
-        }
-        start = end;
-    }
-    *hit = q.best;
-    if (hit->primitive >= 0) hit->position = cpm_curve_at(curve, hit->t);
-}
-
-static void straight_exact(const cpm_geometry *g, const query *from, double leave, double slack, cpm_hit *hit) {
-    cpm_curve line = *from->curve;
-    line.c[1] = cpm_scaled(leave, line.c[1]);
-    cpm_geometry_curve(g, &line, 1.0, from->left, slack / leave, from->filter, hit);
-    hit->t *= leave;
-}
-
-void cpm_geometry_straight(const cpm_geometry *g, cpm_vec origin, cpm_vec direction, int32_t left, double slack,
-                           const cpm_filter *filter, int exact, cpm_hit *hit) {
-    hit->primitive = -1;
-    double enter = -slack, leave = INFINITY;
-    if (!g->curved || !clip_to_box(g, origin, direction, 1e-12 * g->scale, &enter, &leave) || !(leave > 0.0)) return;
-
-    query q;
-    q.geometry = g;
-    cpm_curve line;
-    line.degree = 1;
-    line.c[0] = origin, line.c[1] = direction;
-    q.curve = &line;
-    q.left = left;
-    q.filter = filter;
-    double reach = leave + 1e-9 * (leave + g->scale);
-    if (exact || slack > 0.0 || !g->straight) {
-        straight_exact(g, &q, reach, slack, hit);
-        return;
-    }
-    q.chord.a = 0.0;
-    cpm_embree_context_init(&q.base);
-    cpm_vec local = cpm_sub(origin, g->center);
-    double size = cpm_max(g->scale, cpm_max(fabs(local.x), cpm_max(fabs(local.y), fabs(local.z))));
-    struct RTCRayHit rayhit;
-    set_ray(&rayhit, local, direction, left >= 0 ? (float)(START_ULPS * ULP * size) : 0.0f, (float)reach * 1.0001f);
-    cpm_embree_intersect(g->straight, &q.base, &rayhit);
-
-    int32_t primitive = -1;
-    if (rayhit.hit.geomID == 0) primitive = (int32_t)rayhit.hit.primID;
-    else if (rayhit.hit.geomID == 1) primitive = (int32_t)(g->triangle_count + rayhit.hit.primID);
-    if (primitive < 0 || (primitive == left && (size_t)primitive < g->triangle_count)) {
-        straight_exact(g, &q, reach, slack, hit); /* a miss, or itself: float's word is not enough */
-        return;
-    }
-    hit->primitive = primitive;
-    if ((size_t)primitive < g->triangle_count) { /* polish on the plane, in double */
-        const cpm_triangle *t = &g->triangles[primitive];
-        cpm_vec n = cpm_v(t->normal[0], t->normal[1], t->normal[2]);
-        cpm_vec corner = cpm_v(t->corner[0], t->corner[1], t->corner[2]);
-        hit->t = cpm_vdot(cpm_sub(corner, origin), n) / cpm_vdot(direction, n);
-        hit->position = cpm_along(origin, hit->t, direction);
-        if (!(hit->t > 0.0) || !isfinite(hit->t)) {
-            straight_exact(g, &q, reach, slack, hit);
-            return;
-        }
-        cpm_triangle_contains(t, hit->position, &hit->u, &hit->v);
-        if (!(cpm_min(hit->u, cpm_min(hit->v, 1.0 - hit->u - hit->v)) > -t->near_edge))
-            straight_exact(g, &q, reach, slack, hit);
-    } else {
-        hit->t = cpm_curve_sphere(q.curve, &g->spheres[(size_t)primitive - g->triangle_count], primitive == left, 0.0,
-                                  (double)rayhit.ray.tfar * 1.001);
-        hit->u = hit->v = 0.0;
-        hit->position = cpm_along(origin, hit->t, direction);
-        if (!(hit->t > 0.0)) straight_exact(g, &q, reach, slack, hit);
-    }
-}
-
 cpm_vec cpm_geometry_step_back(const cpm_geometry *g, const cpm_hit *hit, cpm_vec start, cpm_vec came) {
     double size = g->scale + fabs(hit->position.x) + fabs(hit->position.y) + fabs(hit->position.z);
     double back = cpm_min(STEP_BACK * size, 0.5 * cpm_norm(cpm_sub(hit->position, start)));
@@ -444,23 +217,6 @@ int cpm_geometry_near_edge(const cpm_geometry *g, const cpm_hit *hit) {
     if ((size_t)hit->primitive >= g->triangle_count) return 1;
     double least = cpm_min(hit->u, cpm_min(hit->v, 1.0 - hit->u - hit->v));
     return !(least > g->triangles[hit->primitive].near_edge);
-}
-
-int cpm_geometry_between(const cpm_geometry *g, cpm_vec a, cpm_vec b) {
-    query q;
-    struct RTCRayHit rayhit;
-    if (!g->straight) return 0;
-    cpm_embree_context_init(&q.base);
-    q.geometry = g;
-    cpm_curve line;
-    line.degree = 1;
-    line.c[0] = a, line.c[1] = cpm_sub(b, a);
-    q.curve = &line;
-    q.left = -1;
-    q.chord.a = 0.0;
-    set_ray(&rayhit, cpm_sub(a, g->center), line.c[1], 0.0f, 1.0f);
-    cpm_embree_occluded(g->straight, &q.base, &rayhit.ray);
-    return rayhit.ray.tfar < 0.0f;
 }
 
 const char *cpm_geometry_embree_version(void) {

@@ -2,8 +2,8 @@
  *
  * Two ways to ask, each built when first needed:
  *  - straight: Embree's own triangles (float, ROBUST), the hit polished in double;
- *  - curve: every primitive as Embree user geometry whose bounds are grown by `sagitta`, so that the chord of a curve
- *    that stays within `sagitta` of it finds every candidate; the callback tests the curve itself, in double. */
+ *  - curve: a tree of our own (bvh.h) whose boxes and triangles grow by what a curve strays from its chord; what may be
+ *    met is then tested on the curve itself, in double. */
 #ifndef CPM_GEOMETRY_H
 #define CPM_GEOMETRY_H
 #include "api/context.h"
@@ -50,10 +50,15 @@ void cpm_geometry_straight(const cpm_geometry *geometry, cpm_vec origin, cpm_vec
 void cpm_geometry_curve(const cpm_geometry *geometry, const cpm_curve *curve, double theta_end, int32_t left,
                         double slack, const cpm_filter *filter, cpm_hit *hit);
 
+/* The same for theta in (0, 1] of many curves at once, without slack; `from`: theta before which, the caller knows, a
+ * curve is outside of the geometry's box. */
+void cpm_geometry_curves(const cpm_geometry *geometry, const cpm_curve *curves, const double *from, const int32_t *left,
+                         size_t count, cpm_hit *hits);
+
 /* Where a ray that is thrown back starts: the hit, a hair back along the way that it came (1e-12 of the scene, above
- * rounding, below everything else). At an edge or in a corner the hit itself lies on several walls, and which side of the
- * others it is on is rounding's choice; the way that it came is inside of all of them. Never more than half the way back
- * to `start`. */
+ * rounding, below everything else). At an edge or in a corner the hit itself lies on several walls, and which side of
+ * the others it is on is rounding's choice; the way that it came is inside of all of them. Never more than half the way
+ * back to `start`. */
 cpm_vec cpm_geometry_step_back(const cpm_geometry *geometry, const cpm_hit *hit, cpm_vec start, cpm_vec came);
 
 /* Is the hit so near an edge of its triangle that the next straight ray has to be asked exactly? */

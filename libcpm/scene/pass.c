@@ -118,6 +118,9 @@ cpm_status cpm_pass_begin(cpm_context *context, cpm_scene *scene, const double *
 cpm_status cpm_pass_begin_with(cpm_context *context, cpm_scene *scene, const cpm_scene_options *options,
                                const double *wavelengths, size_t bins, cpm_pass *pass) {
     memset(pass, 0, sizeof *pass);
+    if (context->opencl)
+        return cpm_fail(context, CPM_ERROR_UNSUPPORTED,
+                        "an OpenCL device traces rays alone in a medium here; scenes need the native backend");
     pass->options = *options;
     pass->context = context;
     pass->scene = scene;

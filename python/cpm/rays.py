@@ -13,7 +13,8 @@ from ._arrays import FloatArray, as_integer, as_number, as_points, as_vector, pe
 from ._progress import ProgressLike, reporting
 from .media import Medium, as_medium
 from .scene import Scene
-from .status import check_backend, exclusion_bits, method_code
+from .devices import device_index
+from .status import exclusion_bits, method_code
 
 __all__ = ["Rays", "trace"]
 
@@ -109,7 +110,9 @@ def trace(medium_or_scene: Medium | Scene | Any, origins: npt.ArrayLike, directi
         "local": summed embedded errors, indicative only. "global": difference to a second run at rtol/10.
     max_evaluations : int
         Per ray.
-    backend : {"native"}
+    backend : str
+        "native": the processor's threads. "opencl": the first OpenCL device that serves; "opencl:1" or "opencl:name": the one of
+        that number or with that in its name (:func:`cpm.devices`). For rays alone in a medium; results do not differ.
     precision : {"double", "single"}
     path : bool or int
         K: sample each path at K points of equal arc length; True: 64.
@@ -143,7 +146,7 @@ def trace(medium_or_scene: Medium | Scene | Any, origins: npt.ArrayLike, directi
     if length is None and until is None and scene is None:
         raise ValueError("neither length nor until is given; a ray in a medium needs one of them")
     plane = None if until is None else _as_plane(until)
-    check_backend(backend)
+    device = device_index(backend)
     if precision not in ("double", "single"):
         raise ValueError(f"precision is {precision!r}; double, single are allowed")
     if error not in _core.ERROR_MODES:
@@ -170,6 +173,7 @@ def trace(medium_or_scene: Medium | Scene | Any, origins: npt.ArrayLike, directi
             single_precision=precision == "single",
             path_samples=_path_samples(path),
             threads=as_integer(threads, "threads", 0, 1024),
+            device=device,
             progress=report,
         )
     arrays["method"] = _names_of(arrays["method"])

@@ -59,8 +59,9 @@ def require_native(backend: str, precision: str) -> None:
 
 
 def check_backend(backend: str) -> None:
-    """Refuse a backend that this version does not run."""
-    if backend == "opencl":
-        raise _core.Error("backend 'opencl' is not in this version; use backend='native'")
+    """Refuse a backend that this version does not run photons and pictures on."""
+    if isinstance(backend, str) and backend.partition(":")[0] == "opencl":
+        raise _core.Error(f"backend {backend!r} traces rays alone in a medium in this version (cpm.trace); use "
+                          "backend='native'")
     if backend != "native":
         raise ValueError(f"backend is {backend!r}; native is allowed (opencl in a later version)")

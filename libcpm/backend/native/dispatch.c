@@ -7,6 +7,7 @@
 #include "advance.h"
 #include "cpm/ray.h"
 #include "lanes.h"
+#include "parabolas.h"
 
 #ifndef CPM_ISA_COUNT
 #if defined(__x86_64__)
@@ -25,6 +26,11 @@ static const cpm_lane_code codes[][2] = {
     {LANES(v4), LANES(single_v4)},
 #endif
 };
+
+extern const cpm_parabolas cpm_follow_parabolas_baseline;
+#if CPM_ISA_COUNT > 1
+extern const cpm_parabolas cpm_follow_parabolas_v3, cpm_follow_parabolas_v4;
+#endif
 
 static cpm_isa detect(void) {
     cpm_isa best = CPM_ISA_BASELINE;
@@ -50,6 +56,14 @@ cpm_isa cpm_isa_chosen(void) {
         atomic_store(&chosen, isa);
     }
     return (cpm_isa)isa;
+}
+
+cpm_parabolas cpm_parabolas_chosen(void) {
+#if CPM_ISA_COUNT > 1
+    if (cpm_isa_chosen() == CPM_ISA_V4) return cpm_follow_parabolas_v4;
+    if (cpm_isa_chosen() == CPM_ISA_V3) return cpm_follow_parabolas_v3;
+#endif
+    return cpm_follow_parabolas_baseline;
 }
 
 const char *cpm_isa_text(cpm_isa isa) {

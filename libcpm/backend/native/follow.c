@@ -1,4 +1,5 @@
-/* backend/native/follow.c: the three ways of a ray: straight, by closed form, integrated eight abreast.
+/* backend/native/follow.c: the ways of a ray: straight, by closed form (parabolas many at a time), integrated eight
+ * abreast.
  *
  * A curved ray comes as pieces (position, momentum and acceleration at both ends). Each piece is asked for its first
  * hit on the curve itself, then whether it crosses the scene's extent; what is first ends the ray. */
@@ -7,6 +8,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "parabolas.h"
 #include "piece_end.h"
 
 static void follow_straight(const cpm_pass *pass, const cpm_flight *flight, const cpm_follow_options *options,
@@ -48,15 +50,23 @@ static void follow_straight(const cpm_pass *pass, const cpm_flight *flight, cons
     }
 }
 
+static int is_parabolic(const cpm_pass *pass, int32_t medium) {
+    return pass->scene->media[medium].medium->data.kind == CPM_MEDIUM_LINEAR_SQUARED;
+}
+
 void cpm_follow(const cpm_pass *pass, const cpm_flight *flights, size_t count, const cpm_follow_options *options,
                 cpm_arrival *arrivals) {
     for (size_t i = 0; i < count; i++) {
         uint8_t way = pass->way[cpm_region_medium(&flights[i].region)];
         if (way == CPM_WAY_STRAIGHT)
             follow_straight(pass, &flights[i], options, i, &arrivals[i]);
-        else if (way == CPM_WAY_EXACT)
+        else if (way == CPM_WAY_EXACT && (options || !is_parabolic(pass, cpm_region_medium(&flights[i].region))))
             cpm_follow_exact(pass, &flights[i], options, i, &arrivals[i]);
     }
+    if ((pass->features & CPM_FEATURE_EXACT) && !options)
+        for (size_t m = 0; m < pass->scene->medium_count; m++)
+            if (pass->way[m] == CPM_WAY_EXACT && is_parabolic(pass, (int32_t)m))
+                cpm_parabolas_chosen()(pass, flights, count, (int32_t)m, arrivals);
     if (pass->features & CPM_FEATURE_INTEGRATOR)
         for (size_t m = 0; m < pass->scene->medium_count; m++)
             if (pass->way[m] == CPM_WAY_INTEGRATED)

@@ -109,12 +109,11 @@ void cpm_add_length(cpm_arrival *arrival, const cpm_piece *piece, int degree, do
 /* Beyond a face of the geometry's box, on its way out and drawn no other way, a ray meets nothing any more: what
  * scatters off the outside of a room mostly ends here, at no cost. The gradient has one direction in linear media, and
  * one axis in layers: across it momentum is constant. */
-static int never_returns(const cpm_pass *pass, const cpm_flight *flight, int32_t medium) {
+static int never_returns(const cpm_pass *pass, int32_t medium, const double r[3], const double d[3]) {
     const cpm_medium_data *data = &pass->scene->media[medium].medium->data;
-    const double r[3] = {flight->position.x, flight->position.y, flight->position.z};
-    const double d[3] = {flight->direction.x, flight->direction.y, flight->direction.z};
     const cpm_box *box = &pass->box;
-    if (data->kind == CPM_MEDIUM_GRID) return 0;
+    if (data->kind != CPM_MEDIUM_LINEAR_SQUARED && data->kind != CPM_MEDIUM_LINEAR && data->kind != CPM_MEDIUM_LAYERED)
+        return 0;
     for (int k = 0; k < 3; k++) {
         double a = data->axis[k]; /* the scale is positive: it changes no sign */
         if (data->kind == CPM_MEDIUM_LAYERED && a != 0.0) continue;
@@ -125,11 +124,27 @@ static int never_returns(const cpm_pass *pass, const cpm_flight *flight, int32_t
 }
 
 /* Refractivity may be scaled by a negative factor only where dispersion crosses 1; then nothing is cut short. */
+static int scale_is_positive(const cpm_pass *pass, const cpm_flight *flight, int32_t medium) {
+    int32_t bin = flight->bin < 0 ? pass->middle : flight->bin;
+    return pass->scale[(size_t)medium * pass->bins + (size_t)bin] > 0.0;
+}
+
 int cpm_has_left(const cpm_pass *pass, const cpm_flight *flight, int32_t medium, const cpm_follow_options *options,
                  cpm_arrival *arrival) {
-    int32_t bin = flight->bin < 0 ? pass->middle : flight->bin;
-    if (options || !(pass->scale[(size_t)medium * pass->bins + (size_t)bin] > 0.0)) return 0;
-    if (!never_returns(pass, flight, medium)) return 0;
+    if (options || !scale_is_positive(pass, flight, medium)) return 0;
+    const double r[3] = {flight->position.x, flight->position.y, flight->position.z};
+    const double d[3] = {flight->direction.x, flight->direction.y, flight->direction.z};
+    if (!never_returns(pass, medium, r, d)) return 0;
     arrival->status = CPM_RAY_LEFT;
+    return 1;
+}
+
+int cpm_leaves_after(const cpm_pass *pass, const cpm_flight *flight, int32_t medium, cpm_vec end, cpm_vec tangent,
+                     cpm_arrival *arrival) {
+    const double r[3] = {end.x, end.y, end.z}, d[3] = {tangent.x, tangent.y, tangent.z};
+    if (!scale_is_positive(pass, flight, medium) || !never_returns(pass, medium, r, d)) return 0;
+    arrival->status = CPM_RAY_LEFT;
+    arrival->hit.position = end;
+    arrival->direction = cpm_unit(tangent);
     return 1;
 }

@@ -28,6 +28,10 @@ void cpm_add_length(cpm_arrival *arrival, const cpm_piece *piece, int degree, do
 int cpm_has_left(const cpm_pass *pass, const cpm_flight *flight, int32_t medium, const cpm_follow_options *options,
                  cpm_arrival *arrival);
 
+/* The same where a piece without a hit ends. */
+int cpm_leaves_after(const cpm_pass *pass, const cpm_flight *flight, int32_t medium, cpm_vec end, cpm_vec tangent,
+                     cpm_arrival *arrival);
+
 /* follow_exact.c: one flight by its closed form; `number` is for the sink. */
 void cpm_follow_exact(const cpm_pass *pass, const cpm_flight *flight, const cpm_follow_options *options, size_t number,
                       cpm_arrival *arrival);

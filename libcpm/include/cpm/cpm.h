@@ -8,6 +8,7 @@
 #define CPM_CPM_H
 
 #include "context.h"
+#include "device.h"
 #include "image.h"
 #include "medium.h"
 #include "photons.h"

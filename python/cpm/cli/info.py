@@ -15,7 +15,7 @@ def info() -> None:
     print(f"cpm {_core.version()} ({_core.build_info()})")
     print(f"python {platform.python_version()}, {platform.platform()}")
     for device in devices():
-        note = "" if device.usable else "; kernels only, see cpm.kernels"
+        note = "" if device.usable else "; no double precision: not for rays"
         print(f"{device.backend}: {device.name}, {device.units} units ({device.detail}){note}")
     print(", ".join(f"{name} {_version(name)}" for name in _PACKAGES))
 

@@ -1,0 +1,156 @@
+/* backend/native/follow_parabolas.c: many flights in a medium of linear n^2, a lot at a time, so that their arithmetic
+ * overlaps: starts in lanes, then candidates, then roots and ends. Compiled once for each instruction set.
+ *
+ * Only what most photons are: one parabola, one chord, one hit. Whatever else may be (a cut-off, a start that looks
+ * back, nothing met, the extent crossed) is left to cpm_follow_exact, which asks anew. */
+#include <math.h>
+#include <string.h>
+
+#include "isa.h"
+#include "parabolas.h"
+#include "piece_end.h"
+
+#define LOT CPM_PARABOLAS
+
+typedef struct lot {
+    size_t which[LOT];
+    double position[3][LOT], direction[3][LOT];
+    double gradient[3][LOT]; /* of n^2/2: dp/dsigma */
+    double n[LOT];
+    double h[LOT];    /* sigma of the piece; NaN: not for here */
+    double from[LOT]; /* theta before which nothing can be met */
+    double c1[3][LOT], c2[3][LOT];
+    int32_t left[LOT];
+    cpm_curve curve[LOT];
+    cpm_hit hit[LOT];
+    size_t count;
+    int32_t medium;
+} lot;
+
+/* Where the parabola comes into the geometry's box and where it goes out, or how far the scene is large. One that turns
+ * before a face goes out at another, or is longer than it need be. */
+static void lengths(const cpm_pass *pass, lot *l) {
+    const double far2 = pass->reach * pass->reach, center[3] = {pass->center.x, pass->center.y, pass->center.z};
+    for (int i = 0; i < LOT; i++) {
+        double enter = 0.0, leave = INFINITY, away2 = 0.0, pg = 0.0, gg = 0.0;
+        const double n = l->n[i];
+        for (int k = 0; k < 3; k++) {
+            const double r = l->position[k][i], p = n * l->direction[k][i], a = l->gradient[k][i];
+            const double low = pass->box.low[k] - r, high = pass->box.high[k] - r;
+            const double ahead = p > 0.0 ? high : low, behind = p > 0.0 ? low : high;
+            /* p t + a t^2/2 = face, the first crossing ahead */
+            const double out = p * p + 2.0 * a * ahead, in = p * p + 2.0 * a * behind;
+            const double bent_out = sqrt(cpm_max(out, 0.0)), bent_in = sqrt(cpm_max(in, 0.0));
+            const double t1 = 2.0 * ahead / (p + (p > 0.0 ? bent_out : -bent_out));
+            const double t0 = 2.0 * behind / (p + (p > 0.0 ? bent_in : -bent_in));
+            leave = ((out >= 0.0) & (t1 >= 0.0) & (t1 < leave)) ? t1 : leave;
+            enter = ((in >= 0.0) & (t0 > enter)) ? t0 : enter;
+            away2 += (r - center[k]) * (r - center[k]);
+            pg += p * a, gg += a * a;
+        }
+        const double least = 1e-6 * n, limit = sqrt(cpm_max(away2, far2)) / n, margin = 1e-6 * pass->reach / n;
+        const int cut = (pg < 0.0) & (pg * pg > (n * n - least * least) * gg); /* |p| may fall to 0 */
+        const double h = cpm_min(limit, leave * (1.0 + 1e-6) + margin);
+        const double from = cpm_max(enter * (1.0 - 1e-6) - margin, 0.0) / h;
+        l->h[i] = ((n > 0.0) & !cut) ? h : NAN;
+        l->from[i] = from < 1.0 ? from : 0.0;
+        for (int k = 0; k < 3; k++) {
+            l->c1[k][i] = h * (n * l->direction[k][i]);
+            l->c2[k][i] = 0.5 * h * h * l->gradient[k][i];
+        }
+    }
+}
+
+static int within(const cpm_box *box, cpm_vec r) {
+    return (r.x >= box->low[0]) & (r.x <= box->high[0]) & (r.y >= box->low[1]) & (r.y <= box->high[1]) &
+           (r.z >= box->low[2]) & (r.z <= box->high[2]);
+}
+
+static void follow_lot(const cpm_pass *pass, const cpm_flight *flights, lot *l, cpm_arrival *arrivals) {
+    for (size_t i = l->count; i < LOT; i++) { /* lanes that nobody uses: as the first */
+        for (int k = 0; k < 3; k++) {
+            l->position[k][i] = l->position[k][0], l->direction[k][i] = l->direction[k][0];
+            l->gradient[k][i] = l->gradient[k][0];
+        }
+        l->n[i] = l->n[0];
+    }
+    for (int i = 0; i < LOT; i++) l->n[i] = sqrt(l->n[i]); /* it was n^2 */
+    lengths(pass, l);
+    size_t asked = 0;
+    for (size_t i = 0; i < l->count; i++) {
+        if (!(l->h[i] > 0.0)) {
+            cpm_follow_exact(pass, &flights[l->which[i]], NULL, l->which[i], &arrivals[l->which[i]]);
+            continue;
+        }
+        cpm_curve *c = &l->curve[asked];
+        c->degree = 2;
+        c->c[0] = cpm_v(l->position[0][i], l->position[1][i], l->position[2][i]);
+        c->c[1] = cpm_v(l->c1[0][i], l->c1[1][i], l->c1[2][i]);
+        c->c[2] = cpm_v(l->c2[0][i], l->c2[1][i], l->c2[2][i]);
+        l->left[asked] = l->left[i], l->which[asked] = l->which[i], l->h[asked] = l->h[i];
+        l->from[asked] = l->from[i];
+        asked++;
+    }
+    cpm_geometry_curves(pass->geometry, l->curve, l->from, l->left, asked, l->hit);
+    for (size_t i = 0; i < asked; i++) {
+        const size_t which = l->which[i];
+        cpm_arrival *arrival = &arrivals[which];
+        const cpm_curve *c = &l->curve[i];
+        const cpm_vec end = cpm_add(c->c[0], cpm_add(c->c[1], c->c[2]));
+        const int hits = l->hit[i].primitive >= 0, stays = within(&pass->extent, end);
+        const double t = hits ? l->hit[i].t : 1.0;
+        const cpm_vec tangent = cpm_along(c->c[1], 2.0 * t, c->c[2]);
+        const double speed = cpm_norm(tangent);
+        cpm_arrival_begin(&flights[which], arrival);
+        arrival->n = speed / l->h[i]; /* |p| */
+        arrival->steps = 1.0;
+        if (hits && stays) {
+            arrival->status = CPM_RAY_HIT;
+            arrival->hit = l->hit[i];
+            arrival->direction = cpm_scaled(1.0 / speed, tangent);
+        } else if (!stays || !cpm_leaves_after(pass, &flights[which], l->medium, end, tangent, arrival)) {
+            cpm_follow_exact(pass, &flights[which], NULL, which, arrival);
+        }
+    }
+    l->count = 0;
+}
+
+static void follow_parabolas(const cpm_pass *pass, const cpm_flight *flights, size_t count, int32_t medium,
+                             cpm_arrival *arrivals) {
+    const cpm_medium_data *data = &pass->scene->media[medium].medium->data;
+    lot l;
+    l.count = 0;
+    l.medium = medium;
+    for (size_t i = 0; i < count; i++) {
+        const cpm_flight *flight = &flights[i];
+        if (cpm_region_medium(&flight->region) != medium) continue;
+        if (flight->crossing) { /* looks back */
+            cpm_follow_exact(pass, flight, NULL, i, &arrivals[i]);
+            continue;
+        }
+        if (cpm_has_left(pass, flight, medium, NULL, &arrivals[i])) {
+            cpm_arrival_begin(flight, &arrivals[i]);
+            arrivals[i].status = CPM_RAY_LEFT;
+            arrivals[i].n = cpm_pass_index(pass, medium, flight->bin, flight->position);
+            continue;
+        }
+        const int32_t bin = flight->bin < 0 ? pass->middle : flight->bin;
+        const double scale = pass->scale[(size_t)medium * pass->bins + (size_t)bin];
+        const double r[3] = {flight->position.x, flight->position.y, flight->position.z};
+        const double d[3] = {flight->direction.x, flight->direction.y, flight->direction.z};
+        double susceptibility = data->value;
+        for (int k = 0; k < 3; k++) {
+            l.position[k][l.count] = r[k], l.direction[k][l.count] = d[k];
+            l.gradient[k][l.count] = 0.5 * scale * data->axis[k];
+            susceptibility += data->axis[k] * (r[k] - data->origin[k]);
+        }
+        l.n[l.count] = 1.0 + scale * susceptibility;
+        l.left[l.count] = flight->left;
+        l.which[l.count] = i;
+        if (++l.count == LOT) follow_lot(pass, flights, &l, arrivals);
+    }
+    if (l.count) follow_lot(pass, flights, &l, arrivals);
+}
+
+extern const cpm_parabolas CPM_ISA_NAME(cpm_follow_parabolas);
+const cpm_parabolas CPM_ISA_NAME(cpm_follow_parabolas) = follow_parabolas;
