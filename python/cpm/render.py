@@ -14,7 +14,7 @@ from .image import Image
 from .lights import light_spectrum
 from .photons import Photons
 from .scene import Scene
-from .settings import resolve
+from .settings import MAX_BATCH, resolve
 from .status import require_native
 
 __all__ = ["render"]
@@ -95,7 +95,7 @@ def render(scene: Scene, size: tuple[int, int] | None = None, photons: int | Pho
                               seed=settings.seed, wavelengths=settings.wavelengths, nearest=settings.nearest,
                               samples=settings.samples, max_radius=settings.max_radius, projection=bool(projection),
                               edge_correction=bool(edge_correction),
-                              batch=as_integer(batch, "batch", 0, 2**31 - 1),
+                              batch=as_integer(batch, "batch", 0, MAX_BATCH),
                               threads=as_integer(threads, "threads", 0, 1024), progress=report)
     image = Image._of(handle)
     if not image.data.any():

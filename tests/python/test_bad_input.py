@@ -208,3 +208,14 @@ def test_a_dielectric_of_impossible_index(value):
 def test_layers_that_do_not_match():
     with pytest.raises(ValueError, match=r"heights has 3 entries and n has 2; one n for each height is needed"):
         cpm.media.Layered([0, 1, 2], [1.0, 1.1])
+
+
+@pytest.mark.parametrize("name, value, allowed", [("nearest", 1_000_001, "2 to 1000000"),
+                                                  ("samples", 1_048_577, "1 to 1048576"),
+                                                  ("batch", 1_048_577, "0 to 1048576")])
+def test_bounds_are_the_cores(name, value, allowed):
+    """The largest is taken by the core too (photons=0: at once), the next is refused with the bound."""
+    with pytest.raises(ValueError, match=f"{name} is {value}; {allowed} are allowed"):
+        cpm.render(lit_triangle(), photons=0, **{name: value})
+    with pytest.warns(UserWarning, match="black"):
+        cpm.render(lit_triangle(), size=(1, 1), photons=0, wavelengths=[550.0], **{name: value - 1})

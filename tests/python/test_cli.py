@@ -240,3 +240,9 @@ def test_bench_writes_here_unless_told(tmp_path, monkeypatch):
     results.add_arguments(parser)
     assert parser.parse_args([]).results == Path("results")
     assert parser.parse_args(["--results", "docs/results"]).results == Path("docs/results")
+
+
+def test_a_folder_is_no_scene(capsys):
+    Path("scenes").mkdir()
+    assert run(["render", "scenes"]) == 2
+    assert capsys.readouterr().err == "cpm: scenes: is a folder\n"

@@ -50,7 +50,7 @@ def run(arguments: Sequence[str]) -> int:
     except _UsageError as error:
         message: str = error.format_message()  # type: ignore[attr-defined]
         return _say(message, BAD_INPUT) if message else BAD_INPUT
-    except (ValueError, TypeError, FileNotFoundError) as error:
+    except (ValueError, TypeError, FileNotFoundError, IsADirectoryError) as error:
         return _say(_one_line(error), BAD_INPUT)
     except (Error, OSError, MemoryError) as error:
         return _say(_one_line(error), FAILURE)
@@ -59,6 +59,8 @@ def run(arguments: Sequence[str]) -> int:
 def _one_line(error: BaseException) -> str:
     if isinstance(error, FileNotFoundError) and error.filename:
         return f"{error.filename}: no such file"
+    if isinstance(error, IsADirectoryError) and error.filename:
+        return f"{error.filename}: is a folder"
     return " ".join(str(error).split()) or type(error).__name__
 
 

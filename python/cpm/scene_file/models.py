@@ -6,6 +6,8 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag, model_validator
 from pydantic_core import PydanticCustomError
 
+from ..settings import MAX_NEAREST, MAX_SAMPLES
+
 
 class Table(BaseModel):
     """A TOML table with known keys."""
@@ -336,9 +338,9 @@ class RenderTable(Table):
 
     size: tuple[Pixels, Pixels] | None = None
     photons: Annotated[Integer, Field(ge=0, le=2**32 - 1)] | None = None
-    nearest: Annotated[Integer, Field(ge=2, le=2**31 - 1)] | None = None
+    nearest: Annotated[Integer, Field(ge=2, le=MAX_NEAREST)] | None = None
     wavelengths: Wavelengths | None = None
-    samples: Annotated[Integer, Field(ge=1, le=2**31 - 1)] | None = None
+    samples: Annotated[Integer, Field(ge=1, le=MAX_SAMPLES)] | None = None
     seed: Annotated[Integer, Field(ge=0, le=2**63 - 1)] | None = None
     max_radius: Positive | None = None
 
