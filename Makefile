@@ -3,7 +3,7 @@
 # make test         set-up, C tests, Python tests: minutes (CONTRIBUTING.md, TESTING.md)
 # make test-long    the tests marked long too
 # make test-deep    sanitizers and fuzzers
-# make bench        every program of bench/
+# make bench        every program of bench/, to RESULTS (results/; RESULTS=docs/results publishes)
 # make abi          the public ABI against docs/abi; make abi-baseline writes it anew
 # make format       clang-format, ruff;  make clean
 
@@ -15,6 +15,8 @@ JOBS ?= $(shell nproc)
 CTEST := ctest --output-on-failure --no-tests=error
 # A fuzzer's seconds.
 FUZZ_SECONDS ?= 60
+# Where benchmarks write.
+RESULTS ?= results
 
 SOURCES := $(shell find CMakeLists.txt cmake bindings cl libcpm spectral python/cpm LICENSE README.md -type f \
 	-not -name '*.pyc' 2>/dev/null)
@@ -82,7 +84,7 @@ fuzz: | build/stamp-apt
 # --- benchmarks, ABI, format -----------------------------------------------------------------------------------------
 
 bench: setup
-	for program in $(filter-out bench/_%,$(wildcard bench/*.py)); do echo "== $$program"; $(BIN)/python $$program || exit 1; done
+	for program in $(filter-out bench/_%,$(wildcard bench/*.py)); do echo "== $$program"; $(BIN)/python $$program --results $(RESULTS) || exit 1; done
 
 # Debug information carries the types. Needs abigail-tools.
 build/abi/libcpm.so.0: $(SOURCES) | build/stamp-apt

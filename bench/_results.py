@@ -1,4 +1,4 @@
-"""What every benchmark shares: where it ran, tables, figures to reach, and the files in docs/results.
+"""What every benchmark shares: where it ran, tables, figures to reach, and the files that it writes.
 
 A benchmark measures, then calls `table`, `judge` and `write`. Nothing here asserts: a figure that was missed is printed
 as missed. No path of the machine goes into a result.
@@ -14,7 +14,6 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 EXAMPLES = ROOT / "examples"
-RESULTS = ROOT / "docs" / "results"
 CURVED, HOMOGENEOUS = EXAMPLES / "cross_room_curved.toml", EXAMPLES / "cross_room_homogeneous.toml"
 
 SIGNIFICANT = 5   # digits: more than the noise leaves
@@ -22,8 +21,9 @@ SIGNIFICANT = 5   # digits: more than the noise leaves
 
 def add_arguments(parser):
     """Options of every benchmark."""
-    parser.add_argument("--results", type=Path, default=RESULTS, metavar="FOLDER",
-                        help="where NAME.json and NAME.png go (default: docs/results)")
+    parser.add_argument("--results", type=Path, default=Path("results"), metavar="FOLDER",
+                        help="where NAME.json and NAME.png go (default: ./results; docs/results holds those that are "
+                             "published)")
 
 
 def machine():
@@ -182,7 +182,7 @@ def write(folder, name, content, figures, figure=None, packages=()):
     _replace(folder / f"{name}.json", lambda beside: beside.write_text(text + "\n", encoding="utf-8"))
     if figure is not None:
         _replace(folder / f"{name}.png", lambda beside: figure.savefig(beside, format="png", dpi=110))
-    print(f"wrote {name}.json{' and ' + name + '.png' if figure is not None else ''}")
+    print(f"wrote {folder / name}.json{f' and {name}.png' if figure is not None else ''}")
 
 
 def _replace(path, save):

@@ -36,7 +36,7 @@ def render_room(name: str, output: Path, options: dict[str, object],
     print(f"{name}: photon map and rays")
     dots = {key: value for key, value in options.items() if key == "size"}
     photon_picture(scene, progress=True, **dots).save(output / f"{name}_photons.png")
-    ray_picture(scene, rays=31).savefig(output / f"{name}_rays.png", dpi=110)
+    ray_picture(scene, rays=31, title=name).savefig(output / f"{name}_rays.png", dpi=110)
     return image.stats, exposure
 
 

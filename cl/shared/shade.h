@@ -6,18 +6,24 @@
 #define CPM_SHARED_SHADE_H
 #include "philox.h"
 #include "sampling.h"
+#include "sobol.h"
 
-/* Where in its pixel a sample lies, in (0, 1)^2: the middle for one, else jittered in n x n strata (the rest anywhere).
- */
+/* Number of a Sobol point, alone, in (0, 1). */
+CPM_INLINE double sobol_uniform(cpm_u32 index, int dimension, cpm_u32 seed) {
+    cpm_u32 bits[CPM_WIDTH];
+    store_words(sobol_lanes(splat_word(index), dimension, seed), bits, 0);
+    return cpm_uniform(bits[0]);
+}
+
+/* Where in its pixel a sample lies, in (0, 1)^2: points of a Sobol sequence scrambled by the pixel's own random numbers,
+ * so that they cover the square evenly however many they are. One alone is in the middle
+ * (docs/decisions/0010-one-eye-ray.md). */
 CPM_INLINE void cpm_eye_place(cpm_u64 seed, cpm_u32 pixel, cpm_i32 sample, cpm_i32 samples, double *x, double *y) {
     *x = *y = 0.5;
     if (samples == 1) return;
-    cpm_i32 side = (cpm_i32)(cpm_sqrt((double)samples) + 1e-9);
-    cpm_random r = cpm_philox(seed, pixel, (cpm_u32)sample, CPM_STREAM_EYE, 0);
-    *x = cpm_uniform(r.v[0]), *y = cpm_uniform(r.v[1]);
-    if (sample >= side * side) return;
-    *x = (sample % side + *x) / side;
-    *y = (sample / side + *y) / side;
+    cpm_random scramble = cpm_philox(seed, pixel, 0, CPM_STREAM_EYE, 0);
+    *x = sobol_uniform((cpm_u32)sample, 0, scramble.v[0]);
+    *y = sobol_uniform((cpm_u32)sample, 1, scramble.v[1]);
 }
 
 /* Unit direction through a point of the picture, (column + x, row + y) from the upper left; `right` and `up` are scaled

@@ -12,6 +12,8 @@
 #include "backend/opencl/device.h"
 
 #define MAX_THREADS 1024
+#define TELL_EVERY 0.05  /* s between reports that nothing but cpm_poll makes */
+#define WAIT_NAP 2000000 /* ns between looks at the other threads */
 
 cpm_status cpm_context_create(const cpm_context_options *options, cpm_context **context) {
     if (!context) return CPM_ERROR_INVALID_ARGUMENT;
@@ -60,13 +62,39 @@ cpm_status cpm_fail(cpm_context *context, cpm_status status, const char *format,
     return status;
 }
 
-void cpm_progress_begin(cpm_context *context) { atomic_store(&context->cancelled, 0); }
+void cpm_progress_begin(cpm_context *context) {
+    atomic_store(&context->cancelled, 0);
+    atomic_store(&context->stage, "project");
+    atomic_store(&context->fraction, 0.0);
+    atomic_store(&context->told, cpm_seconds());
+}
 
 int32_t cpm_progress(cpm_context *context, const char *stage, double fraction) {
-    if (context->progress && !cpm_cancelled(context) &&
-        context->progress(context->progress_user, stage, fmin(fmax(fraction, 0.0), 1.0)))
+    if (!context->progress || cpm_cancelled(context)) return cpm_cancelled(context);
+    atomic_store(&context->stage, stage);
+    atomic_store(&context->fraction, fraction);
+    atomic_store(&context->told, cpm_seconds());
+    if (context->progress(context->progress_user, stage, fmin(fmax(fraction, 0.0), 1.0)))
         atomic_store(&context->cancelled, 1);
     return cpm_cancelled(context);
+}
+
+int32_t cpm_poll(cpm_context *context) {
+    if (!context) return 0;
+    const char *stage = omp_get_thread_num() == 0 ? atomic_load(&context->stage) : NULL;
+    if (!stage || cpm_seconds() - atomic_load(&context->told) < TELL_EVERY) return cpm_cancelled(context);
+    return cpm_progress(context, stage, atomic_load(&context->fraction));
+}
+
+void cpm_wait(cpm_context *context, const int *done, int all) {
+    for (;;) {
+        int so_far;
+#pragma omp atomic read
+        so_far = *done;
+        if (so_far >= all) return;
+        cpm_poll(context);
+        nanosleep(&(const struct timespec){.tv_nsec = WAIT_NAP}, NULL);
+    }
 }
 
 double cpm_seconds(void) {

@@ -13,6 +13,9 @@
 
 #define MIN_RTOL 1e-14
 #define MAX_CHUNK 1024
+#define FIRST_CHUNK CPM_LANES
+#define SHORT_CHUNK 0.005 /* s */
+#define LONG_CHUNK 0.05
 
 typedef struct trace_work {
     cpm_context *context;
@@ -177,37 +180,53 @@ static cpm_status fill_starts(trace_work *w) {
     return CPM_OK;
 }
 
-/* All rays, in chunks; with `positions` the second time, for the samples of the paths. */
+/* All rays, in chunks; with `positions` the second time, for the samples of the paths. No ray depends on its chunk, so
+ * chunks grow while they take little time and shrink where rays are long: cancelling waits for the chunks at work. */
 static cpm_status run(const trace_work *w, cpm_ray_end *ends, double *positions, double from, double to) {
-    if (w->context->opencl)
-        return cpm_opencl_trace(w->context, w->medium, &w->control, &w->goal, w->request->single_precision, w->starts,
+    cpm_context *context = w->context;
+    if (context->opencl)
+        return cpm_opencl_trace(context, w->medium, &w->control, &w->goal, w->request->single_precision, w->starts,
                                 ends, positions, positions ? (int64_t)w->request->path_samples : 0,
                                 (int64_t)w->request->count, from, to);
     const cpm_lane_code *code = cpm_lane_code_for(w->medium->data.kind, w->request->single_precision);
-    const int64_t count = (int64_t)w->request->count, threads = w->context->threads;
-    int64_t chunk = (count / (8 * threads) + CPM_LANES) / CPM_LANES * CPM_LANES;
-    if (chunk > MAX_CHUNK) chunk = MAX_CHUNK;
+    const int64_t count = (int64_t)w->request->count;
+    const int64_t fair = count / (8 * context->threads) / CPM_LANES * CPM_LANES; /* leaves each thread several */
+    const int64_t most = fair < CPM_LANES ? CPM_LANES : fair < MAX_CHUNK ? fair : MAX_CHUNK;
     const cpm_trace_arrays arrays = {.starts = w->starts,
                                      .ends = ends,
                                      .positions = positions,
                                      .samples = positions ? (int64_t)w->request->path_samples : 0};
-    const int64_t chunks = (count + chunk - 1) / chunk;
-    int64_t done = 0;
-    double reported = cpm_seconds();
-#pragma omp parallel for schedule(dynamic) num_threads((int)threads) if (chunks > 1)
-    for (int64_t c = 0; c < chunks; c++) {
-        if (cpm_cancelled(w->context)) continue;
-        int64_t last = (c + 1) * chunk < count ? (c + 1) * chunk : count, so_far;
-        code->trace(&w->control, &w->medium->data, w->medium->table, &w->goal, &arrays, c * chunk, last);
+    int64_t next = 0;
+    int finished = 0;
+#pragma omp parallel num_threads(context->threads) if (count > CPM_LANES)
+    {
+        const int telling = omp_get_thread_num() == 0;
+        int64_t chunk = most < FIRST_CHUNK ? most : FIRST_CHUNK, first;
+        double reported = cpm_seconds();
+        while (!cpm_poll(context)) {
 #pragma omp atomic capture
-        so_far = ++done;
-        if (omp_get_thread_num() == 0 && cpm_seconds() - reported > 0.1) {
-            reported = cpm_seconds();
-            cpm_progress(w->context, "trace", from + (to - from) * (double)so_far / (double)chunks);
+            {
+                first = next;
+                next += chunk;
+            }
+            if (first >= count) break;
+            const double start = cpm_seconds();
+            code->trace(&w->control, &w->medium->data, w->medium->table, &w->goal, &arrays, first,
+                        first + chunk < count ? first + chunk : count);
+            const double now = cpm_seconds();
+            if (now - start < SHORT_CHUNK && 2 * chunk <= most) chunk *= 2;
+            if (now - start > LONG_CHUNK && chunk > CPM_LANES)
+                chunk = (chunk / 2 + CPM_LANES - 1) / CPM_LANES * CPM_LANES;
+            if (telling && now - reported > 0.1) {
+                reported = now;
+                cpm_progress(context, "trace", from + (to - from) * (double)first / (double)count);
+            }
         }
+#pragma omp atomic update
+        finished++;
+        if (telling) cpm_wait(context, &finished, omp_get_num_threads());
     }
-    return cpm_cancelled(w->context) ? cpm_fail(w->context, CPM_ERROR_CANCELLED, "cancelled while tracing rays")
-                                     : CPM_OK;
+    return cpm_cancelled(context) ? cpm_fail(context, CPM_ERROR_CANCELLED, "cancelled while tracing rays") : CPM_OK;
 }
 
 /* A ray that could not start: n^2 <= 0 there. */
@@ -336,6 +355,7 @@ cpm_status cpm_rays_trace(cpm_context *context, const cpm_medium *medium, struct
     w.ends = malloc(q.count * sizeof *w.ends);
     if (w.starts && w.ends) {
         cpm_progress_begin(context);
+        cpm_progress(context, "trace", 0.0);
         status = trace_in_medium(&w, method, &out);
     } else
         status = cpm_fail(context, CPM_ERROR_OUT_OF_MEMORY, "out of memory for %zu rays", q.count);

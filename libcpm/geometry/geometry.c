@@ -149,7 +149,7 @@ static void set_row(const cpm_geometry *g, float *row, cpm_vec slope, cpm_vec po
     row[3] = (float)cpm_vdot(slope, cpm_sub(g->center, point));
 }
 
-/* In units of the scene; ROUNDING of curve_walk.h covers what float does to it. */
+/* In units of the scene; CPM_WALK_ROUNDING covers what float does to it. */
 static void set_leaf(const cpm_geometry *g, size_t primitive, cpm_bvh_leaf *leaf) {
     const double center[3] = {g->center.x, g->center.y, g->center.z};
     double low[3], high[3];

@@ -33,8 +33,8 @@ static cpm_status check(cpm_context *context, const double *points, const double
     for (size_t i = 0; i < count; i++) {
         const double *r = &points[3 * i], *n = &normals[3 * i];
         if (!isfinite(r[0] + r[1] + r[2]))
-            return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "point %zu is (%g, %g, %g); it must be finite", i, r[0],
-                            r[1], r[2]);
+            return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "point %zu is (%g, %g, %g); it must be finite", i,
+                            r[0], r[1], r[2]);
         if (!isfinite(n[0] + n[1] + n[2]) || !(n[0] * n[0] + n[1] * n[1] + n[2] * n[2] > 0.0))
             return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT,
                             "normal %zu is (%g, %g, %g); it must be finite and not zero", i, n[0], n[1], n[2]);
@@ -52,8 +52,16 @@ cpm_status cpm_photons_irradiance(cpm_context *context, const cpm_photons *photo
     if (isnan(max_radius)) return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "max_radius is NaN");
     cpm_status status = check(context, points, normals, count, nearest);
     if (status) return status;
-    request q = {photons, points, normals, nearest, max_radius > 0.0 ? max_radius : photons->diagonal, irradiance,
-                 map == CPM_MAP_CAUSTIC ? CPM_CAUSTIC : CPM_DIRECT, map == CPM_MAP_CAUSTIC ? CPM_CAUSTIC : CPM_LATER};
+    cpm_progress_begin(context);
+    cpm_progress(context, "gather", 0.0);
+    request q = {photons,
+                 points,
+                 normals,
+                 nearest,
+                 max_radius > 0.0 ? max_radius : photons->diagonal,
+                 irradiance,
+                 map == CPM_MAP_CAUSTIC ? CPM_CAUSTIC : CPM_DIRECT,
+                 map == CPM_MAP_CAUSTIC ? CPM_CAUSTIC : CPM_LATER};
     int failed = 0;
 #pragma omp parallel num_threads(context->threads) if (count > 64)
     {
@@ -66,8 +74,9 @@ cpm_status cpm_photons_irradiance(cpm_context *context, const cpm_photons *photo
         }
 #pragma omp for schedule(dynamic, 64)
         for (size_t i = 0; i < count; i++)
-            if (ready) estimate(&q, queries, i);
+            if (ready && !cpm_poll(context)) estimate(&q, queries, i);
         for (int t = q.first; t <= q.last; t++) cpm_query_free(queries[t]);
     }
-    return failed ? cpm_fail(context, CPM_ERROR_OUT_OF_MEMORY, "no memory to search the photon maps") : CPM_OK;
+    if (failed) return cpm_fail(context, CPM_ERROR_OUT_OF_MEMORY, "no memory to search the photon maps");
+    return cpm_poll(context) ? cpm_fail(context, CPM_ERROR_CANCELLED, "cancelled while estimating irradiance") : CPM_OK;
 }

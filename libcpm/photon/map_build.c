@@ -34,7 +34,10 @@ static void *large_alloc(size_t bytes) {
     return memory;
 }
 
-static cpm_status out_of_memory(const cpm_builder *b) {
+/* Why a step was not done. */
+static cpm_status given_up(const cpm_builder *b) {
+    if (cpm_poll(b->context))
+        return cpm_fail(b->context, CPM_ERROR_CANCELLED, "cancelled while building the photon maps");
     return cpm_fail(b->context, CPM_ERROR_OUT_OF_MEMORY, "out of memory for a map of %zu photons", b->tree->count);
 }
 
@@ -121,6 +124,7 @@ static int32_t move_spectra(cpm_builder *b) {
     }
 #pragma omp parallel for num_threads(b->threads) schedule(dynamic, 1)
     for (size_t c = 0; c < chunks; c++) {
+        if (cpm_poll(b->context)) continue;
         const size_t from = tree->count * c / chunks, to = tree->count * (c + 1) / chunks;
         size_t at = tree->unsplit ? from * bins : starts[c];
         for (size_t i = from; i < to; i++) {
@@ -137,7 +141,7 @@ static int32_t move_spectra(cpm_builder *b) {
         }
     }
     free(starts);
-    return 1;
+    return !cpm_poll(b->context);
 }
 
 /* --- all of it ------------------------------------------------------------------------------------------------- */
@@ -158,15 +162,15 @@ static cpm_status build(cpm_builder *b) {
 
     b->keys = large_alloc(tree->count * sizeof *b->keys);
     tree->photons = large_alloc(tree->count * sizeof *tree->photons);
-    if (!b->keys || !tree->photons) return out_of_memory(b);
-    if (!cpm_builder_plan(b)) return out_of_memory(b);
+    if (!b->keys || !tree->photons) return given_up(b);
+    if (!cpm_builder_plan(b)) return given_up(b);
     tree->points = large_alloc((3 * tree->count + CPM_PAD) * sizeof *tree->points);
-    if (!tree->points) return out_of_memory(b);
+    if (!tree->points) return given_up(b);
     memset(tree->points + 3 * tree->count, 0, CPM_PAD * sizeof *tree->points);
-    if (!cpm_builder_grow(b)) return out_of_memory(b);
+    if (!cpm_builder_grow(b)) return given_up(b);
     free(b->keys);
     b->keys = NULL;
-    return move_spectra(b) ? CPM_OK : out_of_memory(b);
+    return move_spectra(b) ? CPM_OK : given_up(b);
 }
 
 cpm_status cpm_tree_build(cpm_context *context, cpm_photon *photons, uint16_t *spectra, size_t count,

@@ -30,8 +30,8 @@ static inline size_t cpm_builder_chunks(const cpm_builder *builder) {
 }
 
 /* Keys, and the upper part of the tree down to runs that one thread can take. Until photons move there, the memory of
- * tree->photons is scratch. 0: out of memory. */
+ * tree->photons is scratch. 0: out of memory, or cancelled. */
 int32_t cpm_builder_plan(cpm_builder *builder);
-/* The runs' subtrees, by all threads, and the nodes above them: fills photons, points, nodes. 0: out of memory. */
+/* The runs' subtrees, by all threads, and the nodes above them: fills photons, points, nodes. 0: as above. */
 int32_t cpm_builder_grow(cpm_builder *builder);
 #endif

@@ -14,7 +14,8 @@
 
 /* --- keys and runs --------------------------------------------------------------------------------------------- */
 
-/* Keys in `grid` of the photons of keys[first .. first + count) (`fresh`: of all), ordered by their upper bits. */
+/* Keys in `grid` of the photons of keys[first .. first + count) (`fresh`: of all), ordered by their upper bits.
+ * 0: out of memory or cancelled. */
 static int32_t partition(cpm_builder *b, size_t first, size_t count, const cpm_cells *grid, int fresh) {
     const uint64_t index = (UINT64_C(1) << b->index_bits) - 1;
     uint64_t *keys = b->keys + first, *scratch = (uint64_t *)(void *)b->tree->photons;
@@ -24,12 +25,14 @@ static int32_t partition(cpm_builder *b, size_t first, size_t count, const cpm_c
 #pragma omp parallel num_threads(b->threads)
     {
 #pragma omp for schedule(dynamic, 1)
-        for (size_t c = 0; c < chunks; c++)
+        for (size_t c = 0; c < chunks; c++) {
+            if (cpm_poll(b->context)) continue;
             for (size_t i = count * c / chunks; i < count * (c + 1) / chunks; i++) {
                 const uint64_t at = fresh ? i : keys[i] & index;
                 scratch[i] = cpm_cells_key(grid, &b->given[at], at);
                 starts[c * DIGITS + (scratch[i] >> UPPER_LOW)]++;
             }
+        }
 #pragma omp single
         for (uint32_t digit = 0, sum = 0; digit < DIGITS; digit++)
             for (size_t c = 0; c < chunks; c++) {
@@ -38,12 +41,14 @@ static int32_t partition(cpm_builder *b, size_t first, size_t count, const cpm_c
                 sum += n;
             }
 #pragma omp for schedule(dynamic, 1)
-        for (size_t c = 0; c < chunks; c++)
+        for (size_t c = 0; c < chunks; c++) {
+            if (cpm_poll(b->context)) continue; /* all chunks were counted, or none is moved */
             for (size_t i = count * c / chunks; i < count * (c + 1) / chunks; i++)
                 keys[starts[c * DIGITS + (scratch[i] >> UPPER_LOW)]++] = scratch[i];
+        }
     }
     free(starts);
-    return 1;
+    return !cpm_poll(b->context); /* where a chunk was left out, the keys mean nothing */
 }
 
 /* Plans the tree over [first, first + count) down to runs; returns its number, -1 out of memory. */
@@ -144,7 +149,7 @@ int32_t cpm_builder_grow(cpm_builder *b) {
 #pragma omp for schedule(dynamic, 1)
         for (size_t i = 0; i < b->plan_count; i++) {
             cpm_plan *p = &b->plans[i];
-            if (p->n || failed) continue;
+            if (p->n || failed || cpm_poll(b->context)) continue;
             p->thread = omp_get_thread_num();
             p->node_first = grove->node_count;
             p->made = cpm_grove_grow(grove, p->first, p->count);
@@ -153,7 +158,7 @@ int32_t cpm_builder_grow(cpm_builder *b) {
         }
         free(grove->scratch);
     }
-    if (!failed) failed = !gather_nodes(b, groves);
+    if (!failed) failed = cpm_poll(b->context) || !gather_nodes(b, groves);
     for (int t = 0; t < b->threads; t++) free(groves[t].nodes);
     free(groves);
     return !failed;

@@ -11,6 +11,7 @@
 #include "cl/shared/shade.h"
 
 #define TILE 16
+#define SAMPLES_AT_ONCE 4  /* of each pixel: so many branches live together, however many samples are asked for */
 #define MAX_DEPTH 64       /* specular surfaces along one branch */
 #define LEAST_WEIGHT 1e-4f /* of an eye ray: branches that carry less end */
 
@@ -141,11 +142,13 @@ static void see(viewer *v, const glance *g, const cpm_arrival *a, const float *w
         see_surface(v, g, a, weights, s);
 }
 
-static void look(viewer *v, int32_t column, int32_t row, int32_t pixel, const cpm_image *image) {
+/* Eye rays of a pixel: samples [first, end). */
+static void look(viewer *v, int32_t column, int32_t row, int32_t pixel, const cpm_image *image, int32_t first,
+                 int32_t end) {
     const size_t bins = v->pass->bins;
     float ones[CPM_MAX_BINS];
     for (size_t b = 0; b < bins; b++) ones[b] = 1.0f;
-    for (int32_t s = 0; s < v->samples; s++) {
+    for (int32_t s = first; s < end; s++) {
         double x, y;
         cpm_eye_place(v->seed, (uint32_t)(row * image->width + column), s, v->samples, &x, &y);
         glance g = {.pixel = pixel, .depth = -1};
@@ -162,24 +165,33 @@ static void look(viewer *v, int32_t column, int32_t row, int32_t pixel, const cp
     }
 }
 
-static void paint_tile(viewer *v, int32_t tile, int32_t across, cpm_image *image) {
-    const size_t bins = v->pass->bins;
-    int32_t x0 = tile % across * TILE, y0 = tile / across * TILE;
-    int32_t x1 = x0 + TILE < image->width ? x0 + TILE : image->width;
-    int32_t y1 = y0 + TILE < image->height ? y0 + TILE : image->height;
-    memset(v->sum, 0, TILE * TILE * bins * sizeof *v->sum);
-    v->next.count = 0;
-    for (int32_t y = y0; y < y1; y++)
-        for (int32_t x = x0; x < x1; x++) look(v, x, y, (y - y0) * TILE + x - x0, image);
-    while (v->next.count && !v->failed && !cpm_cancelled(v->pass->context)) {
+/* The live branches to their ends: all of them to their next surface, then those that go on. */
+static void follow_branches(viewer *v) {
+    cpm_context *context = v->pass->context;
+    while (v->next.count && !v->failed && !cpm_poll(context)) {
         gaze swap = v->now;
         v->now = v->next;
         v->next = swap;
         v->next.count = 0;
         for (size_t i = 0; i < v->now.count; i++) v->now.flights[i] = v->now.all[i].flight;
         cpm_follow(v->pass, v->now.flights, v->now.count, NULL, v->now.arrivals);
-        for (size_t i = 0; i < v->now.count && !v->failed; i++)
-            see(v, &v->now.all[i], &v->now.arrivals[i], &v->now.weights[i * bins]);
+        for (size_t i = 0; i < v->now.count && !v->failed && !cpm_poll(context); i++)
+            see(v, &v->now.all[i], &v->now.arrivals[i], &v->now.weights[i * v->pass->bins]);
+    }
+}
+
+static void paint_tile(viewer *v, int32_t tile, int32_t across, cpm_image *image) {
+    const size_t bins = v->pass->bins;
+    int32_t x0 = tile % across * TILE, y0 = tile / across * TILE;
+    int32_t x1 = x0 + TILE < image->width ? x0 + TILE : image->width;
+    int32_t y1 = y0 + TILE < image->height ? y0 + TILE : image->height;
+    memset(v->sum, 0, TILE * TILE * bins * sizeof *v->sum);
+    for (int32_t s = 0; s < v->samples && !v->failed && !cpm_cancelled(v->pass->context); s += SAMPLES_AT_ONCE) {
+        const int32_t end = v->samples - s < SAMPLES_AT_ONCE ? v->samples : s + SAMPLES_AT_ONCE;
+        v->next.count = 0;
+        for (int32_t y = y0; y < y1; y++)
+            for (int32_t x = x0; x < x1; x++) look(v, x, y, (y - y0) * TILE + x - x0, image, s, end);
+        follow_branches(v);
     }
     for (int32_t y = y0; y < y1; y++)
         for (int32_t x = x0; x < x1; x++)
@@ -215,6 +227,7 @@ cpm_status cpm_eye_pass(const cpm_pass *pass, const cpm_gather *gather, uint64_t
             return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "camera: n^2 is not positive at its origin");
         squared_index[b] = n * n;
     }
+    cpm_progress(context, "gather", 0.0);
     int failed = 0, done = 0;
     double *evaluations = calloc((size_t)tiles, sizeof *evaluations);
     if (!evaluations) return cpm_fail(context, CPM_ERROR_OUT_OF_MEMORY, "no memory for the eye pass");
@@ -225,17 +238,17 @@ cpm_status cpm_eye_pass(const cpm_pass *pass, const cpm_gather *gather, uint64_t
         v.scratch = malloc(bins * sizeof(double));
         v.sum = malloc(TILE * TILE * bins * sizeof(double));
         v.failed = !cpm_gather_queries(gather, v.queries) || !v.irradiance || !v.scratch || !v.sum;
-#pragma omp for schedule(dynamic, 1)
+#pragma omp for schedule(dynamic, 1) nowait
         for (int32_t t = 0; t < tiles; t++) {
-            if (v.failed || cpm_cancelled(context)) continue;
             v.evaluations = 0.0;
-            paint_tile(&v, t, across, image);
+            if (!v.failed && !cpm_cancelled(context)) paint_tile(&v, t, across, image);
             evaluations[t] = v.evaluations;
             int so_far;
 #pragma omp atomic capture
             so_far = ++done;
             if (omp_get_thread_num() == 0) cpm_progress(context, "gather", (double)so_far / tiles);
         }
+        if (omp_get_thread_num() == 0) cpm_wait(context, &done, tiles);
         cpm_gather_queries_free(v.queries);
         gaze_free(&v.now), gaze_free(&v.next);
         free(v.irradiance), free(v.scratch), free(v.sum);

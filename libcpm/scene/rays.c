@@ -213,6 +213,7 @@ static cpm_status trace_all(cpm_context *context, const cpm_pass *pass, const cp
 #pragma omp parallel for num_threads(context->threads) schedule(dynamic, CHUNK)
     for (ptrdiff_t i = 0; i < count; i++) {
         journey j = {.status = CPM_RAY_ARRIVED, .shape = -1};
+        if (cpm_poll(context)) continue;
         travel(&e, (size_t)i, &j);
         if (j.failed) {
 #pragma omp atomic write
@@ -221,7 +222,8 @@ static cpm_status trace_all(cpm_context *context, const cpm_pass *pass, const cp
         report(q, (size_t)i, &j, result);
         free(j.legs);
     }
-    return failed ? cpm_fail(context, CPM_ERROR_OUT_OF_MEMORY, "no memory for the paths of %zu rays", q->count) : CPM_OK;
+    if (failed) return cpm_fail(context, CPM_ERROR_OUT_OF_MEMORY, "no memory for the paths of %zu rays", q->count);
+    return cpm_poll(context) ? cpm_fail(context, CPM_ERROR_CANCELLED, "cancelled while tracing rays") : CPM_OK;
 }
 
 /* The difference to a second run with a tenth of the tolerance, and at most half the steps: where one step of the
@@ -287,6 +289,8 @@ cpm_status cpm_scene_rays_trace(cpm_context *context, cpm_scene *scene, const cp
         if (!r.steps) r.steps = (int64_t *)(own + 4 * request->count);
     }
     cpm_pass pass;
+    cpm_progress_begin(context);
+    cpm_progress(context, "trace", 0.0);
     cpm_status status = cpm_pass_begin_with(context, scene, &options, request->wavelengths, bins, &pass);
     if (!status) {
         status = trace_all(context, &pass, request, NULL, &r);

@@ -14,6 +14,10 @@ VectorLike: TypeAlias = Sequence[float] | npt.NDArray[Any]
 FloatArray: TypeAlias = npt.NDArray[np.float64]
 
 
+#: Kinds of dtypes whose own names would say little.
+_KINDS = {"U": "text", "S": "text", "O": "objects"}
+
+
 def as_array(value: Any, name: str) -> FloatArray:
     """``value`` as a float64 array; TypeError where that makes no sense (text, complex numbers, ragged lists)."""
     try:
@@ -21,7 +25,7 @@ def as_array(value: Any, name: str) -> FloatArray:
     except ValueError as error:
         raise TypeError(f"{name} is not an array of numbers: {error}") from None
     if array.dtype.kind not in "fiu" and array.size:
-        raise TypeError(f"{name} holds {array.dtype.name}; real numbers are needed")
+        raise TypeError(f"{name} holds {_KINDS.get(array.dtype.kind, array.dtype.name)}; real numbers are needed")
     return array.astype(np.float64, copy=False)
 
 

@@ -239,6 +239,11 @@ def catalogue(name: str, extrapolate: bool = False) -> Dispersion:
     raise ValueError(f"material is {name!r}; {', '.join(entry['name'] for entry in entries)} are in the catalogue")
 
 
+def catalogue_names() -> list[str]:
+    """What :func:`catalogue` knows."""
+    return [entry["name"] for entry in _data.table("dispersion.toml")["material"]]
+
+
 def as_dispersion(value: Any) -> Dispersion:
     """A model from itself, a number (constant) or a catalogue name."""
     if isinstance(value, Dispersion):

@@ -1,6 +1,8 @@
 """What a scene needs, what was left out for it, and what each costs: measured, not listed."""
 from __future__ import annotations
 
+import time
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
@@ -8,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from . import media
+from ._arrays import FloatArray
 from .materials import Black, Mirror
 from .render import render
 from .scene import Scene
@@ -33,9 +36,10 @@ _MEANING = {
     "delta_lights": "point or spot lights",
 }
 
-#: The trial: small, so that an explanation takes seconds, and the best of a few, since machines are noisy.
+#: The trial: small, so that an explanation takes seconds, and several in turn, since machines are noisy.
 _TRIAL: dict[str, Any] = {"size": (80, 60), "photons": 50_000, "nearest": 50, "samples": 1, "seed": 0}
-_REPEATS = 3
+_ROUNDS = (3, 9)  # at least, at most
+_ENOUGH = 6.0     # s, after which no further round begins
 
 
 @dataclass(frozen=True)
@@ -51,7 +55,9 @@ class Feature:
     counters : str
         What it did in the trial; where it is left out, the zeros that prove it.
     cost : float or None
-        Seconds of the trial with it over seconds without; None where that was not tried.
+        Seconds of the trial with it over seconds without, the median of several; None where that was not tried.
+    spread : float or None
+        Of those several: their median distance from the median.
     """
 
     name: str
@@ -59,6 +65,7 @@ class Feature:
     meaning: str
     counters: str
     cost: float | None
+    spread: float | None = None
 
 
 @dataclass(frozen=True)
@@ -80,20 +87,29 @@ class Explanation:
 
     def __str__(self) -> str:
         lines = [self.scene]
+        measured = bool(self.stats)
+        named = max(len(feature.name) for feature in self.features)
+        meant = max(len(feature.meaning) for feature in self.features)
         for title, needed in (("in", True), ("left out", False)):
             lines.append(f"\n{title}")
             chosen = [feature for feature in self.features if feature.needed is needed]
             for feature in chosen:
-                cost = "" if feature.cost is None else f"x {feature.cost:.2f}"
-                lines.append(f"  {feature.name:<16}{cost:>8}  {feature.meaning}"
-                             + (f": {feature.counters}" if feature.counters else ""))
+                cost = f"{_shown_cost(feature):<15}" if measured else ""
+                lines.append(f"  {feature.name:<{named}}  {cost}{feature.meaning:<{meant}}  {feature.counters}".rstrip())
             if not chosen:
                 lines.append("  nothing")
-        if self.stats:
+        if measured:
             width, height = _TRIAL["size"]
-            lines.append(f"\nmeasured on {width} x {height} pixels and {_TRIAL['photons']} photons, "
-                         f"{self.stats['seconds_total']:.3f} s; x: seconds with it over seconds without")
+            lines.append(f"\n× is the time of a whole render with it over one without, as measured on {width} × {height} "
+                         f"pixels and {_TRIAL['photons']:,} photons\n(here {self.stats['seconds_total']:.2f} s); "
+                         "~ 1: less than the noise; -: not tried.")
         return "\n".join(lines)
+
+
+def _shown_cost(feature: Feature) -> str:
+    if feature.cost is None or feature.spread is None:
+        return "-"
+    return "~ 1" if abs(feature.cost - 1.0) <= feature.spread else f"× {feature.cost:.2f} ± {feature.spread:.2f}"
 
 
 def explain(scene: Scene, measure: bool = True) -> Explanation:
@@ -112,46 +128,64 @@ def explain(scene: Scene, measure: bool = True) -> Explanation:
     wavelengths = resolve(scene.render_defaults).wavelengths
     needed, _ = feature_names(scene._use().features(wavelengths))
     stats: dict[str, Any] = {}
-    costs: dict[str, float] = {}
+    costs: dict[str, tuple[float, float]] = {}
     if measure and scene.camera is not None and scene.lights:
         stats, costs = _measured(scene)
-    features = [Feature(name, name in needed, meaning, _counters(name, stats), costs.get(name))
+    features = [Feature(name, name in needed, meaning, _counters(name, stats), *costs.get(name, (None, None)))
                 for name, meaning in _MEANING.items()]
     return Explanation(_described(scene, wavelengths), features, stats)
 
 
 def _described(scene: Scene, wavelengths: Any) -> str:
     triangles = sum(len(shape.faces) for shape in scene.shapes if shape.faces is not None)
-    return (f"{scene.medium!r}, {len(scene.media)} bounded media, {len(scene.shapes)} shapes ({triangles} triangles), "
-            f"{len(scene.lights)} lights, {len(wavelengths)} bins")
+    counts = (_counted(len(scene.shapes), "shape") + (f" ({_counted(triangles, 'triangle')})" if triangles else ""),
+              _counted(len(scene.media), "bounded medium", "bounded media"), _counted(len(scene.lights), "light"),
+              _counted(len(wavelengths), "bin"))
+    return f"{scene.medium!r}\n{', '.join(counts)}"
 
 
-def _measured(scene: Scene) -> tuple[dict[str, Any], dict[str, float]]:
-    """Stats of the scene's own trial, and what each feature costs: seconds with it over seconds without.
+def _counted(number: int, one: str, more: str | None = None) -> str:
+    return f"{number:,} {one if number == 1 else more or one + 's'}"
 
-    A feature's cost comes from the variant of the scene that changes it and the least else. Trials take turns, so that
-    a busy moment of the machine does not fall on one of them alone.
+
+def _measured(scene: Scene) -> tuple[dict[str, Any], dict[str, tuple[float, float]]]:
+    """Stats of the scene's own trial, and what each feature costs: seconds with it over seconds without, and spread.
+
+    A feature's cost comes from the variant of the scene that changes it and the least else. Trials take turns and are
+    compared within their round, so that a busy moment of the machine does not fall on one of them alone.
     """
     made = (make(scene) for make in _VARIANTS)
     variants: list[tuple[Scene, dict[str, Any]]] = [(scene, {}), *((one, {}) for one in made if one is not None),
                                                     (scene, {"projection": False})]
-    best: list[dict[str, Any]] = [{} for _ in variants]
-    for _ in range(_REPEATS):
-        for i, (variant, options) in enumerate(variants):
-            stats = render(variant, **_TRIAL, **options).stats
-            if not best[i] or stats["seconds_total"] < best[i]["seconds_total"]:
-                best[i] = stats
-    base, *others, unprojected = best
+    rounds: list[list[dict[str, Any]]] = []
+    start = time.perf_counter()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # a black trial is no news
+        for variant, options in variants:
+            render(variant, **_TRIAL | {"photons": 1000}, **options)  # builds what is kept
+        while len(rounds) < _ROUNDS[0] or len(rounds) < _ROUNDS[1] and time.perf_counter() - start < _ENOUGH:
+            turn: list[dict[str, Any]] = [{}] * len(variants)
+            for i in np.roll(np.arange(len(variants)), len(rounds)):  # nobody always comes first
+                turn[i] = render(variants[i][0], **_TRIAL, **variants[i][1]).stats
+            rounds.append(turn)
 
-    costs: dict[str, float] = {}
+    seconds = np.array([[stats["seconds_total"] for stats in turn] for turn in rounds])
+    ratios = seconds[:, 1:] / seconds[:, :1]  # of a variant to the scene itself
+    base, *others, _ = rounds[0]
+    costs: dict[str, tuple[float, float]] = {}
     if "projection" in base["features"]:
-        costs["projection"] = base["seconds_total"] / unprojected["seconds_total"]
+        costs["projection"] = _middle(1.0 / ratios[:, -1])
     changes = [set(base["features"]) ^ set(stats["features"]) for stats in others]
-    for changed, stats in sorted(zip(changes, others, strict=True), key=lambda pair: len(pair[0])):
-        for name in changed - set(costs):
-            ratio = stats["seconds_total"] / base["seconds_total"]
-            costs[name] = 1.0 / ratio if name in base["features"] else ratio
-    return base, costs
+    for i in sorted(range(len(others)), key=lambda i: len(changes[i])):
+        for name in changes[i] - set(costs):
+            costs[name] = _middle(1.0 / ratios[:, i] if name in base["features"] else ratios[:, i])
+    return {**base, "seconds_total": float(np.median(seconds[:, 0]))}, costs
+
+
+def _middle(values: FloatArray) -> tuple[float, float]:
+    """Median, and median distance from it."""
+    middle = float(np.median(values))
+    return middle, float(np.median(np.abs(values - middle)))
 
 
 def _small_thing(scene: Scene) -> tuple[Any, float]:
@@ -193,10 +227,10 @@ def _counters(name: str, stats: dict[str, Any]) -> str:
     if not stats:
         return ""
     if name == "curved":
-        return f"{stats['photon_evaluations'] + stats['eye_evaluations']} gradient evaluations"
+        return f"{stats['photon_evaluations'] + stats['eye_evaluations']:,} gradient evaluations"
     if name == "specular":
-        return (f"{stats['photons_stored_caustic']} caustic photons, {stats['bytes_caustic']} bytes, "
-                f"{stats['projection_caustic_cells']} projection cells")
+        return (f"{stats['photons_stored_caustic']:,} caustic photons, {stats['bytes_caustic']:,} bytes, "
+                f"{stats['projection_caustic_cells']:,} projection cells")
     if name == "projection":
         return (f"{stats['projection_active']} of {stats['projection_cells']} cells active, "
                 f"{1e3 * stats['seconds_project']:.1f} ms")

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from . import _core, colorimetry
 from ._arrays import FloatArray, as_array, as_number
+from ._exr import read_spectral
 from ._files import written_together
 from .photons import named_stats
 from .settings import as_wavelengths
@@ -45,6 +46,27 @@ class Image:
         if values.ndim != 3 or values.shape[2] != len(centers) or not values.size:
             raise ValueError(f"data has shape {values.shape}; (height, width, {len(centers)}) is needed")
         self._take(_core.Image(values.astype(np.float32), centers))
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Image:
+        """Read a spectral OpenEXR file in the layout of Fichet et al. 2021, as :meth:`save` writes it.
+
+        Parameters
+        ----------
+        path : path
+            Its R, G, B are left aside. Needs OpenImageIO (``pip install openimageio``).
+
+        Returns
+        -------
+        Image
+            Without the ``stats`` of its render.
+
+        Raises
+        ------
+        ValueError
+            Not an OpenEXR file, or one without spectral channels.
+        """
+        return cls(*read_spectral(path))
 
     @classmethod
     def _of(cls, handle: _core.Image) -> Image:

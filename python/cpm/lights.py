@@ -98,3 +98,8 @@ class Area:
 
 
 Light: TypeAlias = Point | Spot | Area
+
+
+def light_spectrum(light: Light) -> Spectrum:
+    """What it emits, W/sr/nm or W·m⁻²·sr⁻¹·nm⁻¹."""
+    return light.radiance if isinstance(light, Area) else light.intensity

@@ -2,15 +2,29 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from numbers import Real
 from typing import Any, TypeAlias
 
 import numpy as np
 
 from . import _core
+from .dispersion import Dispersion, catalogue_names
 from .media import Medium, as_medium
 from .spectra import Spectrum, SpectrumLike, as_spectrum
 
 __all__ = ["Black", "Dielectric", "Diffuse", "Material", "Mirror", "as_material"]
+
+
+def _interior(value: Any) -> Medium:
+    if isinstance(value, (str, Real, Dispersion, Medium)) and not isinstance(value, bool):
+        try:
+            return as_medium(value)
+        except ValueError as error:
+            if not isinstance(value, str):
+                raise ValueError(f"interior: {error}") from None
+    names = ", ".join(catalogue_names())
+    refused = ValueError if isinstance(value, str) else TypeError
+    raise refused(f"interior is {value!r}; a number, a catalogue name ({names}), a dispersion or a medium is allowed")
 
 
 def _reflectance(value: SpectrumLike) -> Spectrum:
@@ -81,7 +95,7 @@ class Dielectric:
     interior: Medium = field()
 
     def __init__(self, interior: Any) -> None:
-        object.__setattr__(self, "interior", as_medium(interior))
+        object.__setattr__(self, "interior", _interior(interior))
 
     def _core(self) -> _core.Material:
         return _core.dielectric(self.interior._handle)

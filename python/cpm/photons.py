@@ -11,7 +11,7 @@ from . import _core
 from ._arrays import FloatArray, as_integer, as_number, as_points
 from ._progress import ProgressLike, reporting
 from .scene import Scene
-from .settings import resolve
+from .settings import MAX_BATCH, MAX_NEAREST, resolve
 from .status import feature_names, require_native
 
 __all__ = ["PhotonMap", "Photons", "trace_photons"]
@@ -88,7 +88,7 @@ class PhotonMap:
             raise ValueError(f"max_radius is {radius:g}; it must be > 0")
         with reporting(progress) as report:
             return self._photons.irradiance(map=self._name, points=where, normals=sides,
-                                            nearest=as_integer(nearest, "nearest", 2, 2**31 - 1), max_radius=radius,
+                                            nearest=as_integer(nearest, "nearest", 2, MAX_NEAREST), max_radius=radius,
                                             threads=as_integer(threads, "threads", 0, 1024), progress=report)
 
 
@@ -164,7 +164,7 @@ def trace_photons(scene: Scene, photons: int | None = None, *, seed: int | None 
     with reporting(progress) as report:
         handle = _core.trace_photons(scene=scene._use(), photons=settings.photons, seed=settings.seed,
                                      wavelengths=settings.wavelengths, projection=bool(projection),
-                                     batch=as_integer(batch, "batch", 0, 2**31 - 1),
+                                     batch=as_integer(batch, "batch", 0, MAX_BATCH),
                                      threads=as_integer(threads, "threads", 0, 1024), progress=report)
     return Photons(handle, settings.wavelengths)
 

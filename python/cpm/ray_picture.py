@@ -1,17 +1,17 @@
 """Curved rays drawn in a section of the scene."""
 from __future__ import annotations
 
+from collections import Counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ._arrays import FloatArray
-from .lights import Area, Spot
-from .rays import trace
+from .rays import Rays, trace
 from .scene import Scene
+from .section import Section, light_source
 from .settings import resolve
-from .shapes import extent_of
-from .status import feature_names
+from .status import RayStatus, feature_names
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -21,9 +21,16 @@ __all__ = ["ray_picture"]
 #: Drawn where wavelengths part, nm and colour; else the middle one alone.
 _SPLIT = ((450.0, "tab:blue"), (550.0, "tab:green"), (650.0, "tab:red"))
 _SAMPLES = 256
+_FIELD = 240            # points across, of the background
+_LEVELS = 14            # of the background, about
+_LEAST_CHANGE = 1e-9    # of n, below which there is no background
+
+#: What a legend calls the ways in which a ray ends, and how it is drawn.
+_ENDS = {RayStatus.HIT: ("hit", "-"), RayStatus.LEFT: ("left the scene", ":")}
+_STOPPED = ("stopped", "--")
 
 
-def ray_picture(scene: Scene, rays: int = 25, light: int | None = None) -> Figure:
+def ray_picture(scene: Scene, rays: int = 25, light: int | None = None, title: str = "") -> Figure:
     """Paths from the lights to the first surface, in the plane through a light and what it is aimed at.
 
     Parameters
@@ -33,37 +40,85 @@ def ray_picture(scene: Scene, rays: int = 25, light: int | None = None) -> Figur
         From each light, in a fan over its cone.
     light : int, optional
         Only this one; default all (in the plane of the first).
+    title : str
+        Goes before what is drawn.
 
     Returns
     -------
     matplotlib.figure.Figure
-        Edges of the scene in the plane in black, paths in colour; metres.
+        Walls in the plane in black, paths in colour (dotted: they leave the scene; dashed and crossed: stopped before
+        their end), the index behind them where it varies; metres.
     """
-    from matplotlib.collections import LineCollection
     from matplotlib.figure import Figure
 
     if rays < 1:
         raise ValueError(f"rays is {rays}; at least 1 is needed")
-    lights = scene.lights if light is None else scene.lights[light : light + 1]
+    lights = scene.lights if light is None else scene.lights[light : light + 1] if light >= 0 else []
     if not lights:
-        raise ValueError(f"light is {light}; the scene has {len(scene.lights)} lights")
-    section = _Section.through(scene, lights[0])
+        asked = "light is None" if light is None else f"light is {light}"
+        allowed = f"0 to {len(scene.lights) - 1} are allowed" if scene.lights else "rays start at lights"
+        raise ValueError(f"{asked}; the scene has {len(scene.lights)} lights: {allowed}")
+    section = Section.through(scene, lights[0])
 
-    figure = Figure(figsize=(7.0, 6.0), layout="constrained")
+    figure = Figure(layout="constrained")
     axes = figure.add_subplot()
-    for wavelength, colour in _colours(scene):
-        for source in lights:
-            origin, directions = section.fan(scene, source, rays)
-            paths = trace(scene, origin, directions, wavelength=wavelength, path=_SAMPLES).paths
-            assert paths is not None
-            axes.add_collection(LineCollection(list(section.flat(paths)), colors=colour, linewidths=0.7, alpha=0.8))
-    edges = section.edges(scene)
-    axes.add_collection(LineCollection(list(edges), colors="black", linewidths=1.6))
-    _frame(axes, np.concatenate([edges.reshape(-1, 2), *(section.flat(_source(source)[0])[None] for source in lights)]))
+    walls = section.edges(scene)
+    sources = [section.flat(light_source(source)[0]) for source in lights]
+    _frame(axes, np.concatenate([walls.reshape(-1, 2), *(source[None] for source in sources)]))
+    shape = np.ptp(axes.get_ylim()) / np.ptp(axes.get_xlim())
+    figure.set_size_inches(8.0, float(np.clip(6.6 * shape + 1.3, 3.0, 9.0)))
+    wavelengths = _colours(scene)
+    _draw_index(figure, axes, section, scene, wavelengths[len(wavelengths) // 2][0])
+    for wavelength, colour in wavelengths:
+        traced = [trace(scene, *section.fan(scene, source, rays), wavelength=wavelength, path=_SAMPLES)
+                  for source in lights]
+        _draw_rays(axes, section, traced, wavelength, colour)
+    _draw_walls(axes, walls)
+    axes.plot(*np.transpose(sources), "o", color="gold", markeredgecolor="black", markersize=7, zorder=5,
+              label="light" if len(sources) == 1 else "lights")
     axes.set_xlabel(section.label(section.across))
     axes.set_ylabel(section.label(section.up))
-    axes.set_title(f"section at {np.round(section.origin, 3).tolist()} m", fontsize=9)
+    axes.set_title(f"{title + ': ' if title else ''}rays from {'a light' if len(sources) == 1 else 'the lights'}, "
+                   f"section {section.place}", fontsize=11)
+    figure.legend(loc="outside lower center", ncols=4, fontsize=9, frameon=False)
     return figure
+
+
+def _draw_index(figure: Any, axes: Any, section: Section, scene: Scene, wavelength: float) -> None:
+    """n behind the rays, where it varies: pale steps and a colour bar."""
+    from matplotlib.ticker import MaxNLocator
+
+    x, y = np.meshgrid(np.linspace(*axes.get_xlim(), _FIELD), np.linspace(*axes.get_ylim(), _FIELD))
+    n = np.ma.masked_invalid(section.index(scene, x, y, wavelength))
+    if n.count() == 0 or n.max() - n.min() <= _LEAST_CHANGE:
+        return
+    levels = MaxNLocator(_LEVELS).tick_values(n.min(), n.max())
+    drawn = axes.contourf(x, y, n, levels=levels, cmap="GnBu", alpha=0.4, zorder=0)
+    bar = figure.colorbar(drawn, ax=axes, shrink=0.85, pad=0.02)
+    bar.set_label(f"refractive index n at {wavelength:.0f} nm")
+    bar.formatter.set_useOffset(False)
+
+
+def _draw_rays(axes: Any, section: Section, traced: list[Rays], wavelength: float, colour: str) -> None:
+    """Paths of one wavelength, those that end alike in one style; the legend counts them."""
+    from matplotlib.collections import LineCollection
+
+    paths = np.concatenate([section.flat(rays.paths) for rays in traced if rays.paths is not None])
+    ends = [_ENDS.get(RayStatus(status), _STOPPED) for rays in traced for status in rays.status]
+    for end, count in Counter(ends).items():
+        chosen = [path for path, way in zip(paths, ends, strict=True) if way == end]
+        axes.add_collection(LineCollection(chosen, colors=colour, linewidths=0.8, alpha=0.85, linestyles=end[1],
+                                           zorder=2, label=f"{wavelength:.0f} nm: {count} {end[0]}"))
+        if end == _STOPPED:
+            axes.plot(*np.transpose([path[-1] for path in chosen]), "x", color="black", zorder=4)
+
+
+def _draw_walls(axes: Any, walls: FloatArray) -> None:
+    from matplotlib.collections import LineCollection
+
+    if len(walls):
+        axes.add_collection(LineCollection(list(walls), colors="black", linewidths=1.8, zorder=3,
+                                           capstyle="projecting", label="surfaces"))
 
 
 def _colours(scene: Scene) -> Any:
@@ -75,114 +130,7 @@ def _colours(scene: Scene) -> Any:
 def _frame(axes: Any, points: FloatArray) -> None:
     """Show the scene and its lights; rays that miss everything run out of the picture."""
     low, high = points.min(axis=0), points.max(axis=0)
-    margin = 0.04 * max(float((high - low).max()), 1e-9)
+    margin = 0.05 * max(float((high - low).max()), 1e-9)
     axes.set_xlim(low[0] - margin, high[0] + margin)
     axes.set_ylim(low[1] - margin, high[1] + margin)
     axes.set_aspect("equal")
-
-
-class _Section:
-    """A plane with axes ``across`` and ``up``."""
-
-    def __init__(self, origin: FloatArray, across: FloatArray, up: FloatArray) -> None:
-        self.origin, self.across, self.up = origin, across, up
-        self.normal = np.cross(across, up)
-
-    @classmethod
-    def through(cls, scene: Scene, light: Any) -> _Section:
-        """Through the light and its target (or the scene's middle), upright."""
-        origin, target = _source(light)
-        if target is None:
-            target = 0.5 * np.add(*extent_of(scene.shapes))
-        up = np.array(scene.camera.up if scene.camera is not None else (0.0, 1.0, 0.0), dtype=float)
-        up /= np.linalg.norm(up)
-        along = np.subtract(target, origin)
-        across: FloatArray = along - (along @ up) * up
-        if np.linalg.norm(across) < 1e-9 * max(float(np.linalg.norm(along)), 1e-300):  # straight down
-            axis = np.eye(3)[int(np.argmin(np.abs(up)))]
-            across = axis - (axis @ up) * up
-        return cls(origin, across / np.linalg.norm(across), up)
-
-    def flat(self, points: FloatArray) -> FloatArray:
-        """(…, 3) to (…, 2), metres in the plane (its own origin has the world's coordinates along the axes)."""
-        return np.stack([points @ self.across, points @ self.up], axis=-1)
-
-    def fan(self, scene: Scene, light: Any, count: int) -> tuple[FloatArray, FloatArray]:
-        """Origin and directions in the plane: over a spot's cone, over what a point can reach."""
-        origin, target = _source(light)
-        if target is not None:
-            middle, half = target - origin, np.radians(light.cutoff) if isinstance(light, Spot) else 0.5 * np.pi
-        else:
-            middle, half = self._towards(scene, origin)
-        angle = np.arctan2(middle @ self.up, middle @ self.across)
-        # Middles of equal parts: no ray along the very edge of the cone, none twice at ±180°.
-        angles = angle + half * ((2.0 * np.arange(count) + 1.0) / count - 1.0)
-        directions = np.cos(angles)[:, None] * self.across + np.sin(angles)[:, None] * self.up
-        return np.broadcast_to(origin, directions.shape), directions
-
-    def _towards(self, scene: Scene, origin: FloatArray) -> tuple[FloatArray, float]:
-        """Middle and half-width of the angles in which the scene is seen: the circle less its widest empty part."""
-        seen = self.edges(scene).reshape(-1, 2) - self.flat(origin)
-        if not len(seen):
-            return -self.up, np.pi
-        angles = np.sort(np.arctan2(seen[:, 1], seen[:, 0]))
-        gaps = np.diff(angles, append=angles[0] + 2.0 * np.pi)
-        widest = int(np.argmax(gaps))
-        if gaps[widest] < 0.5 * np.pi:  # all around
-            return -self.up, np.pi
-        half = np.pi - 0.5 * float(gaps[widest])
-        middle = angles[widest] + gaps[widest] + half
-        return np.cos(middle) * self.across + np.sin(middle) * self.up, half
-
-    def edges(self, scene: Scene) -> FloatArray:
-        """Segments (K, 2, 2) in which the shapes meet the plane."""
-        segments = [np.zeros((0, 2, 2))]
-        for shape in scene.shapes:
-            found = self._of_sphere(shape) if shape.vertices is None else self._of_mesh(shape)
-            segments.append(self.flat(found))
-        return np.concatenate(segments)
-
-    def _of_mesh(self, shape: Any) -> FloatArray:
-        corners = shape.vertices[shape.faces]
-        # Vertices that lie in the plane are moved off it, so that each triangle has two sides cut or none.
-        sides = (corners - self.origin) @ self.normal
-        sides = np.where(np.abs(sides) < 1e-12, 1e-12, sides)
-        cut = (sides > 0) != (np.roll(sides, -1, axis=1) > 0)
-        crossed = cut.sum(axis=1) == 2
-        share = (sides / np.where(cut, sides - np.roll(sides, -1, axis=1), 1.0))[crossed]
-        points = corners[crossed] + share[..., None] * (np.roll(corners, -1, axis=1) - corners)[crossed]
-        return points[cut[crossed]].reshape(-1, 2, 3)
-
-    def _of_sphere(self, shape: Any) -> FloatArray:
-        height = (np.subtract(shape.center, self.origin)) @ self.normal
-        if abs(height) >= shape.radius:
-            return np.zeros((0, 2, 3))
-        turn = np.linspace(0.0, 2.0 * np.pi, 129)
-        ring = np.cos(turn)[:, None] * self.across + np.sin(turn)[:, None] * self.up
-        points = shape.center - height * self.normal + np.sqrt(shape.radius**2 - height**2) * ring
-        return np.stack([points[:-1], points[1:]], axis=1)
-
-    @staticmethod
-    def label(axis: FloatArray) -> str:
-        """"x, m" for an axis of the world, else its direction."""
-        for name, unit in zip("xyz", np.eye(3), strict=True):
-            if abs(abs(axis @ unit) - 1.0) < 1e-9:
-                return f"{name}, m" if axis @ unit > 0 else f"−{name}, m"
-        return f"along ({', '.join(f'{part:.2f}' for part in axis)}), m"
-
-
-def _source(light: Any) -> tuple[FloatArray, FloatArray | None]:
-    """Where a light's rays start, and what it is aimed at."""
-    if not isinstance(light, Area):
-        return np.array(light.position), np.array(light.target) if isinstance(light, Spot) else None
-    if light.shape.vertices is None:
-        return np.array(light.shape.center), None
-    corners = light.shape.vertices[light.shape.faces]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    middle = corners.mean(axis=1)
-    weights = np.linalg.norm(normals, axis=1)
-    center, normal = np.average(middle, axis=0, weights=weights), normals.sum(axis=0)
-    length = float(np.linalg.norm(normal))
-    # Off the surface, on its bright side, so that the fan does not start by hitting it.
-    offset = normal / length if length else np.zeros(3)
-    return center + 1e-6 * float(np.abs(corners).max()) * offset, center + offset

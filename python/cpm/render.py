@@ -1,17 +1,20 @@
 """Pictures by photon mapping along curved rays."""
 from __future__ import annotations
 
+import warnings
 from typing import Any
 
+import numpy as np
 import numpy.typing as npt
 
 from . import _core
 from ._arrays import as_integer
 from ._progress import ProgressLike, reporting
 from .image import Image
+from .lights import light_spectrum
 from .photons import Photons
 from .scene import Scene
-from .settings import resolve
+from .settings import MAX_BATCH, resolve
 from .status import require_native
 
 __all__ = ["render"]
@@ -39,7 +42,7 @@ def render(scene: Scene, size: tuple[int, int] | None = None, photons: int | Pho
     wavelengths : array_like, shape (bins,), optional
         Bin centres, nm; default 16 bins of 400–700 nm. With photons traced before: theirs.
     samples : int, optional
-        Eye rays a pixel; default 1.
+        Eye rays a pixel; default 1, through its middle. More cover it evenly: four smooth the stairs on edges.
     seed : int, optional
         Default 0. The picture does not depend on threads or batch.
     backend : {"native"}
@@ -60,6 +63,11 @@ def render(scene: Scene, size: tuple[int, int] | None = None, photons: int | Pho
     Returns
     -------
     Image
+
+    Warns
+    -----
+    UserWarning
+        The picture is black; the message says why.
 
     Raises
     ------
@@ -87,9 +95,28 @@ def render(scene: Scene, size: tuple[int, int] | None = None, photons: int | Pho
                               seed=settings.seed, wavelengths=settings.wavelengths, nearest=settings.nearest,
                               samples=settings.samples, max_radius=settings.max_radius, projection=bool(projection),
                               edge_correction=bool(edge_correction),
-                              batch=as_integer(batch, "batch", 0, 2**31 - 1),
+                              batch=as_integer(batch, "batch", 0, MAX_BATCH),
                               threads=as_integer(threads, "threads", 0, 1024), progress=report)
-    return Image._of(handle)
+    image = Image._of(handle)
+    if not image.data.any():
+        warnings.warn(f"the picture is black: {_why_black(scene, image.stats, settings.wavelengths)}", stacklevel=2)
+    return image
+
+
+def _why_black(scene: Scene, stats: dict[str, Any], wavelengths: Any) -> str:
+    """The first thing without which nothing can be seen."""
+    if not scene.lights:
+        return "the scene has no lights (Scene.add_light, [[lights]])"
+    if not any(np.any(light_spectrum(light).at(wavelengths)) for light in scene.lights):
+        return "no light emits at these wavelengths"
+    if not scene.shapes:
+        return "the scene has no shapes"
+    stored = sum(stats[f"photons_stored_{kind}"] for kind in ("direct", "later", "caustic"))
+    if not stats["photons_emitted"] and not stored:
+        return "no photons were emitted (photons is 0)"
+    if not stored:
+        return "no photon met a diffuse surface; do the lights point at something?"
+    return "photons were stored, but no eye ray meets a surface that they light; is the camera where it should be?"
 
 
 def _which_photons(photons: Any, photon_map: Photons | None) -> tuple[Photons | None, int | None]:

@@ -10,11 +10,11 @@ import numpy.typing as npt
 
 from . import _core
 from ._arrays import VectorLike, as_number, as_points
-from .bounds import Box, Sphere
+from .bounds import Bounds, Box, Sphere
 from .camera import Camera
 from .lights import Area, Light, Point, Spot
-from .materials import Material, as_material
-from .media import Medium, as_medium
+from .materials import Dielectric, Material, as_material
+from .media import Grid, Medium, as_medium
 from .settings import RenderSettings
 from .shapes import Shape
 from .status import exclusion_bits, method_code
@@ -73,6 +73,7 @@ class Scene:
         self.shapes: list[Shape] = []
         self.lights: list[Light] = []
         self.media: list[Medium] = []
+        self._fillings: list[tuple[Bounds, Medium]] = []  # where what is, in order of addition: the last wins
         self.render_defaults = RenderSettings()
         self._open()
 
@@ -93,6 +94,7 @@ class Scene:
         made._camera = self._camera
         made.shapes = [replace(shape, _owner=made) for shape in self.shapes]
         made.lights, made.media = list(self.lights), list(self.media)
+        made._fillings = list(self._fillings)
         made.render_defaults = replace(self.render_defaults)
         made._handle = None
         return made
@@ -160,9 +162,7 @@ class Scene:
             raise ValueError(f"normals has shape {shading.shape}; that of vertices, {points.shape}, is needed")
         core_material = material._core()
         index = self._add(lambda core: core.add_mesh(points, triangles, core_material, shading, name or None))
-        shape = Shape(index, name, material, vertices=points, faces=triangles, _owner=self)
-        self.shapes.append(shape)
-        return shape
+        return self._keep(Shape(index, name, material, vertices=points, faces=triangles, _owner=self))
 
     def add_sphere(self, center: VectorLike, radius: float, material: Material, name: str = "") -> Shape:
         """Add an exact sphere.
@@ -184,9 +184,7 @@ class Scene:
         ball = Sphere(center, radius)
         core_material = as_material(material)._core()
         index = self._add(lambda core: core.add_sphere(ball.center, ball.radius, core_material, name or None))
-        shape = Shape(index, name, material, center=ball.center, radius=ball.radius, _owner=self)
-        self.shapes.append(shape)
-        return shape
+        return self._keep(Shape(index, name, material, center=ball.center, radius=ball.radius, _owner=self))
 
     def add_medium(self, medium: Medium) -> Medium:
         """Add a bounded medium; it is where ``medium.bounds`` is (without bounds a Grid fills the box of its samples,
@@ -214,6 +212,7 @@ class Scene:
             raise ValueError(f"{type(medium).__name__} has bounds {bounds!r}; a Box, a Sphere or a shape of the scene "
                              "is needed")
         self.media.append(medium)
+        self._fillings.append((bounds, medium))
         return medium
 
     def add_light(self, light: Light) -> Light:
@@ -247,6 +246,12 @@ class Scene:
     def _own(self, shape: Shape) -> Shape:
         if shape._owner is not self:
             raise ValueError(f"shape {shape.name or shape.index!r} belongs to another scene")
+        return shape
+
+    def _keep(self, shape: Shape) -> Shape:
+        self.shapes.append(shape)
+        if isinstance(shape.material, Dielectric):
+            self._fillings.append((shape, shape.material.interior))
         return shape
 
     def _add(self, addition: Callable[[_core.Scene], int]) -> int:

@@ -10,6 +10,9 @@ import numpy as np
 from . import _core
 from ._arrays import FloatArray, as_array, as_integer, as_number, bin_centers
 
+#: The core's bounds.
+MAX_NEAREST, MAX_SAMPLES, MAX_BATCH = 1_000_000, 1 << 20, 1 << 20
+
 __all__ = ["RenderSettings", "as_wavelengths", "resolve"]
 
 
@@ -95,9 +98,9 @@ def resolve(defaults: RenderSettings, **asked: Any) -> Resolved:
         width=as_integer(width, "size[0]", 1, 65536),
         height=as_integer(height, "size[1]", 1, 65536),
         photons=as_integer(values["photons"], "photons", 0, 2**32 - 1),
-        nearest=as_integer(values["nearest"], "nearest", 2, 2**31 - 1),
+        nearest=as_integer(values["nearest"], "nearest", 2, MAX_NEAREST),
         wavelengths=as_wavelengths(values["wavelengths"]),
-        samples=as_integer(values["samples"], "samples", 1, 2**31 - 1),
+        samples=as_integer(values["samples"], "samples", 1, MAX_SAMPLES),
         seed=as_integer(values["seed"], "seed", 0, 2**64 - 1),
         max_radius=as_number(values["max_radius"], "max_radius"),
     )

@@ -46,7 +46,7 @@ class Spectrum:
         self.wavelengths, self.values = as_array(wavelengths, "wavelengths"), as_array(values, "values")
         if self.wavelengths.ndim != 1 or self.wavelengths.shape != self.values.shape or not self.wavelengths.size:
             raise ValueError(f"a spectrum has wavelengths of shape {self.wavelengths.shape} and values of shape "
-                             f"{self.values.shape}; two equally long lists are needed")
+                             f"{self.values.shape}; two equally long lists are needed: ([400, 700], [0.2, 0.6])")
         for array, what in ((self.wavelengths, "wavelengths"), (self.values, "values")):
             bad = np.flatnonzero(~np.isfinite(array))
             if bad.size:

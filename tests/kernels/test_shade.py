@@ -31,7 +31,7 @@ def view(fov=60.0):
 
 @pytest.mark.parametrize(("sample", "samples"), [(0, 1), (0, 7), (3, 7), (5, 7)])
 def test_eye(context, program, surface, sample, samples):  # noqa: F811
-    """One sample in the pixel's middle; of seven, four in 2 x 2 strata and the rest anywhere."""
+    """One sample in the pixel's middle; more are Sobol points, scrambled pixel by pixel."""
     v = view()
     outputs = [np.zeros((WIDTH * HEIGHT, 3))]
     (device,) = on_device(context, program, "cpm_shade_eye", [v, np.uint64(SEED), *map(np.int32, (WIDTH, HEIGHT, sample, samples))], outputs, WIDTH * HEIGHT)
@@ -42,9 +42,9 @@ def test_eye(context, program, surface, sample, samples):  # noqa: F811
     place = np.full((WIDTH * HEIGHT, 2), 0.5)
     if samples > 1:
         key = (SEED & 0xFFFFFFFF, SEED >> 32)
-        place = photons.uniform([photons.philox((p, sample, 2, 0), key)[:2] for p in range(WIDTH * HEIGHT)])
-        if sample < 4:
-            place = (np.array([sample % 2, sample // 2]) + place) / 2
+        point = photons.sobol(3)[sample]
+        shifts = [photons.philox((p, 0, 2, 0), key)[:2] for p in range(WIDTH * HEIGHT)]
+        place = np.array([[photons.uniform(photons.owen(point[k], int(shift[k])))[0] for k in range(2)] for shift in shifts])
     wanted = v[0] + (2 * (column + place[:, 0]) / WIDTH - 1)[:, None] * v[1] + (1 - 2 * (row + place[:, 1]) / HEIGHT)[:, None] * v[2]
     np.testing.assert_allclose(device, wanted / np.linalg.norm(wanted, axis=1)[:, None], rtol=0, atol=5e-16)
 

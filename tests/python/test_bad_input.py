@@ -120,6 +120,7 @@ def test_no_camera():
         cpm.render(scene, size=(8, 6), photons=100, progress=False)
 
 
+@pytest.mark.filterwarnings("ignore:the picture is black")
 @pytest.mark.parametrize("what", ["nothing", "no shapes", "no lights"])
 def test_empty_scenes(what):
     """An empty scene is black, or refused in words; photons asked of it are none; never a crash."""
@@ -143,7 +144,8 @@ def test_no_photons():
     """0 photons asked: no photons, a black picture."""
     photons = cpm.trace_photons(lit_triangle(), 0, seed=1, wavelengths=[550.0])
     assert photons.diffuse.position.shape == (0, 3)
-    image = cpm.render(lit_triangle(), size=(8, 6), photons=0, nearest=10, wavelengths=[550.0], progress=False)
+    with pytest.warns(UserWarning, match="photons is 0"):
+        image = cpm.render(lit_triangle(), size=(8, 6), photons=0, nearest=10, wavelengths=[550.0], progress=False)
     np.testing.assert_array_equal(image.data, 0.0)
 
 
@@ -187,3 +189,33 @@ def test_inverted_dielectric_is_refused():
         scene = lit_triangle()
         scene.add_mesh(*scenes.icosphere(0.3, 1, inward=True), material=cpm.materials.Dielectric(1.5))
         cpm.trace_photons(scene, 10, seed=1, wavelengths=[550.0])
+
+
+@pytest.mark.parametrize("value, error", [("glass", ValueError), (None, TypeError), ([1.5], TypeError),
+                                          ({"n": 1.5}, TypeError), (1.5j, TypeError)])
+def test_what_a_dielectric_takes(value, error):
+    with pytest.raises(error, match=r"interior is .*; a number, a catalogue name \(BK7, .*water.*\), a dispersion or a "
+                                    r"medium is allowed"):
+        cpm.materials.Dielectric(value)
+
+
+@pytest.mark.parametrize("value", [0.0, -1.5, float("nan"), float("inf")])
+def test_a_dielectric_of_impossible_index(value):
+    with pytest.raises((ValueError, cpm.Error), match=r"interior|n "):
+        cpm.materials.Dielectric(value)
+
+
+def test_layers_that_do_not_match():
+    with pytest.raises(ValueError, match=r"heights has 3 entries and n has 2; one n for each height is needed"):
+        cpm.media.Layered([0, 1, 2], [1.0, 1.1])
+
+
+@pytest.mark.parametrize("name, value, allowed", [("nearest", 1_000_001, "2 to 1000000"),
+                                                  ("samples", 1_048_577, "1 to 1048576"),
+                                                  ("batch", 1_048_577, "0 to 1048576")])
+def test_bounds_are_the_cores(name, value, allowed):
+    """The largest is taken by the core too (photons=0: at once), the next is refused with the bound."""
+    with pytest.raises(ValueError, match=f"{name} is {value}; {allowed} are allowed"):
+        cpm.render(lit_triangle(), photons=0, **{name: value})
+    with pytest.warns(UserWarning, match="black"):
+        cpm.render(lit_triangle(), size=(1, 1), photons=0, wavelengths=[550.0], **{name: value - 1})

@@ -4,6 +4,8 @@ Geometry of `examples/glass_caustic.toml`: sphere at (0, 1, 0), radius 0.5, poin
 floor at `floor`.  The oracle sums external reflection, refraction and up to six internal reflections.
 """
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from oracles import glass_sphere, radiometry
@@ -137,3 +139,21 @@ def test_mirror_folds_the_beam():
     assert radius.max() == pytest.approx(np.tan(np.radians(5)), rel=0.01)
     assert np.mean(radius**2) == pytest.approx(np.tan(np.radians(5)) ** 2 / 2, rel=0.02)
     assert np.all(stored.bounce == 1)
+
+
+def test_coloured_rim_of_the_close_up():
+    """The shipped close-up: the density falls off a cliff where the folds of three colours are (its file's numbers)."""
+    scene = cpm.load_scene(Path(__file__).resolve().parents[2] / "examples" / "glass_caustic_close.toml")
+    waves = [450.0, 550.0, 650.0]
+    stored = cpm.trace_photons(scene, 100_000, seed=2, wavelengths=waves).caustic
+    radius = np.hypot(stored.position[:, 0], stored.position[:, 2])
+    on_screen = np.abs(stored.position[:, 1] - 0.2) < 1e-4
+    folds = []
+    for wavelength in waves:
+        fold = glass_sphere.fold_radius(float(radiometry.bk7(wavelength)), drop=0.8, **GEOMETRY)
+        folds.append(abs(fold))
+        power = scenes.photons_of(stored, wavelength).astype(float) * on_screen
+        edges = abs(fold) + np.array([-6e-4, 0.0, 6e-4])
+        inside, outside = np.histogram(radius, bins=edges, weights=power)[0] / np.diff(edges**2)
+        assert inside > 5 * outside, (wavelength, inside, outside)
+    np.testing.assert_allclose(folds, [0.0216, 0.0235, 0.0247], atol=1e-4)

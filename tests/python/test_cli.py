@@ -64,8 +64,10 @@ def test_rays_draws_paths(suffix, capsys):
 def test_rays_draws_the_room_s_section():
     from cpm.ray_picture import ray_picture
 
-    paths, edges = ray_picture(cpm.load_scene(CURVED), rays=5).axes[0].collections
-    assert len(paths.get_segments()) == 5
+    lines = {each.get_label(): each for each in ray_picture(cpm.load_scene(CURVED), rays=5).axes[0].collections}
+    edges = lines["surfaces"]
+    paths = [path for name, each in lines.items() if name.startswith("550 nm") for path in each.get_segments()]
+    assert len(paths) == 5
     # z = 0 cuts floor, ceiling, right wall, and the left wall below and above the upright of its cross.
     ends = np.round(np.concatenate(edges.get_segments()), 6)
     assert ends[:, 0].min() == -2
@@ -221,3 +223,26 @@ def test_the_console_script_is_the_program():
     finished = subprocess.run(command, capture_output=True, text=True)
     assert finished.returncode == 0
     assert "Usage: cpm" in finished.stdout
+
+
+def test_version(capsys):
+    assert run(["--version"]) == 0
+    assert capsys.readouterr().out == f"cpm {cpm.__version__}\n"
+
+
+def test_bench_writes_here_unless_told(tmp_path, monkeypatch):
+    """A benchmark leaves the published results alone."""
+    import argparse
+
+    monkeypatch.syspath_prepend(str(EXAMPLES.parent / "bench"))
+    results = __import__("_results")
+    parser = argparse.ArgumentParser()
+    results.add_arguments(parser)
+    assert parser.parse_args([]).results == Path("results")
+    assert parser.parse_args(["--results", "docs/results"]).results == Path("docs/results")
+
+
+def test_a_folder_is_no_scene(capsys):
+    Path("scenes").mkdir()
+    assert run(["render", "scenes"]) == 2
+    assert capsys.readouterr().err == "cpm: scenes: is a folder\n"

@@ -560,3 +560,39 @@ def test_any_value_anywhere_is_a_scene_or_one_line(tmp_path, place, value):
         assert "\n" not in str(error)
     else:
         assert isinstance(scene, cpm.Scene)
+
+
+INTERIORS = [
+    ("1.5", lambda w: 1.5 + 0 * w),
+    ('"BK7"', lambda w: cpm.dispersion.catalogue("BK7").n(w)),
+    ("{ cauchy = [1.5, 0.004] }", lambda w: 1.5 + 0.004 / (1e-3 * w) ** 2),
+    ("{ sellmeier = { B = [1.0, 0.2], C = [0.01, 100.0] } }",
+     lambda w: np.sqrt(1 + sum(b * (1e-3 * w) ** 2 / ((1e-3 * w) ** 2 - c) for b, c in ((1.0, 0.01), (0.2, 100.0))))),
+    ("{ n = 1.5 }", lambda w: 1.5 + 0 * w),
+    ('{ n = "BK7" }', lambda w: cpm.dispersion.catalogue("BK7").n(w)),
+    ('{ type = "homogeneous", n = { cauchy = [1.5, 0.004] } }', lambda w: 1.5 + 0.004 / (1e-3 * w) ** 2),
+]
+
+
+@pytest.mark.parametrize("interior, index", INTERIORS, ids=[text for text, _ in INTERIORS])
+def test_interiors(tmp_path, interior, index):
+    """Each way of DESIGN section 9 to say what glass is."""
+    path = tmp_path / "a.toml"
+    path.write_text('[[shapes]]\ntype = "sphere"\ncenter = [0, 0, 0]\nradius = 1\n'
+                    f'material = {{ type = "dielectric", interior = {interior} }}\n')
+    medium = cpm.load_scene(path).shapes[0].material.interior
+    for wavelength in (450.0, 650.0):
+        assert medium.evaluate((0, 0, 0), wavelength)[0][0] == pytest.approx(index(wavelength), rel=1e-12)
+
+
+def test_an_interior_that_is_none(tmp_path):
+    path = tmp_path / "a.toml"
+    start = '[[shapes]]\ntype = "sphere"\ncenter = [0, 0, 0]\nradius = 1\nmaterial = { type = "dielectric", interior = '
+    for text, problem in (('"glass"', "interior is 'glass'; a number, a catalogue name (BK7,|'glass'; BK7,"),
+                          ("[1.5]", "must be a number, a catalogue name, a dispersion or a medium"),
+                          ("{ cauchi = [1.5] }", "unknown key (allowed: constant, cauchy, sellmeier"),
+                          ("{ n = 1.5, m = 2 }", "unknown key (allowed: dispersion, bounds, n)")):
+        path.write_text(f"{start}{text} }}\n")
+        with pytest.raises(cpm.SceneFileError) as refused:
+            cpm.load_scene(path)
+        assert any(part in str(refused.value) for part in problem.split("|")), refused.value

@@ -4,6 +4,8 @@
 #include "advance.h"
 #include "piece_end.h"
 
+#define POLL_EVERY 64 /* steps of eight lanes */
+
 typedef struct lane_queue {
     const cpm_pass *pass;
     const cpm_flight *flights;
@@ -89,6 +91,13 @@ static void end_lane_step(lane_queue *q, int lane) {
     }
 }
 
+/* Cancelled: rays that have not ended hit nothing. */
+static void abandon(lane_queue *q) {
+    for (int lane = 0; lane < CPM_LANES; lane++)
+        if (q->owner[lane] < q->count) q->arrivals[q->owner[lane]].status = CPM_RAY_EVALUATIONS_EXHAUSTED;
+    for (size_t which; (which = next_flight(q)) < q->count;) q->arrivals[which].status = CPM_RAY_EVALUATIONS_EXHAUSTED;
+}
+
 void cpm_follow_integrated(const cpm_pass *pass, const cpm_flight *flights, size_t count, int32_t medium,
                            const cpm_follow_options *options, cpm_arrival *arrivals) {
     const cpm_scene_options *o = &pass->options;
@@ -104,7 +113,11 @@ void cpm_follow_integrated(const cpm_pass *pass, const cpm_flight *flights, size
                                    .expected_length = pass->reach,
                                    .max_evaluations = options ? options->max_evaluations : 0};
     for (int lane = 0; lane < CPM_LANES; lane++) q.owner[lane] = count, q.rays.status[lane] = CPM_RAY_ARRIVED;
-    for (;;) {
+    for (int64_t steps = 1;; steps++) {
+        if (steps % POLL_EVERY == 0 && cpm_poll(pass->context)) {
+            abandon(&q);
+            return;
+        }
         /* starting lanes costs a whole packet however few they are: not for less than half of them */
         int64_t fresh[CPM_LANES] = {0}, any = 0, going = 0, idle = 0;
         for (int lane = 0; lane < CPM_LANES; lane++) idle += q.owner[lane] == count;

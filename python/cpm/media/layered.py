@@ -51,9 +51,11 @@ class Layered(Medium):
             raise ValueError(f"radius is {self.radius:g}; it must be > 0 metres, or None for flat layers")
         self.interpolation = one_of(interpolation, "interpolation", _ALLOWED)
         self.heights, self.n = as_array(heights, "heights"), as_array(n, "n")
-        if self.heights.ndim != 1 or self.heights.shape != self.n.shape:
-            raise ValueError(f"heights has shape {self.heights.shape} and n {self.n.shape}; two equally long lists are "
-                             "needed")
+        if self.heights.ndim != 1 or self.n.ndim != 1:
+            raise ValueError(f"heights has shape {self.heights.shape} and n {self.n.shape}; two lists are needed")
+        if len(self.heights) != len(self.n):
+            raise ValueError(f"heights has {len(self.heights)} entries and n has {len(self.n)}; one n for each height "
+                             "is needed")
         self.up, self.origin = as_vector(up, "up"), as_vector(origin, "origin")
         if not np.any(self.up):
             raise ValueError("up is (0, 0, 0); a direction is needed")

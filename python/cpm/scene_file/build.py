@@ -158,7 +158,7 @@ class _Builder:
             if getattr(table, "dispersion", None) is not None:
                 common["dispersion"] = self.index(table.dispersion, f"{key}.dispersion")
             match table:
-                case models.HomogeneousTable():
+                case models.HomogeneousTable() | models.PlainTable():
                     return media.Homogeneous(self.index(table.n, f"{key}.n"), **common)
                 case models.LinearSquaredTable():
                     return media.LinearSquared(table.n_squared, table.gradient, table.origin, **common)
@@ -251,8 +251,8 @@ class _Builder:
                     return materials.Black()
                 case _:
                     inside = table.interior
-                    simple = isinstance(inside, (str, float))
-                    return materials.Dielectric(inside if simple else self.medium(inside, f"{key}.interior"))
+                    plain = isinstance(inside, (str, float, models.DispersionTable))
+                    return materials.Dielectric((self.index if plain else self.medium)(inside, f"{key}.interior"))
 
     def material_of(self, value: Any, key: str) -> materials.Material:
         if not isinstance(value, str):

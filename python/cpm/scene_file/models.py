@@ -6,6 +6,8 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag, model_validator
 from pydantic_core import PydanticCustomError
 
+from ..settings import MAX_NEAREST, MAX_SAMPLES
+
 
 class Table(BaseModel):
     """A TOML table with known keys."""
@@ -360,10 +362,25 @@ class BlackTable(Table):
     type: Literal["black"]
 
 
+def _interior_kind(value: Any) -> str | None:
+    """A table without a type is a dispersion, or the n of a homogeneous medium."""
+    if not isinstance(value, dict):
+        return _kind(value)
+    return "<table>" if "type" in value else "<n>" if "n" in value else "<dispersion>"
+
+
+class PlainTable(MediumTable):
+    """A homogeneous medium that does not say so."""
+
+    n: Index
+
+
 class DielectricTable(Table):
     type: Literal["dielectric"]
-    interior: Annotated[ANumber | AName | Annotated[AnyMedium, Tag("<table>")],
-                        _meant("a number, a catalogue name or a medium")]
+    interior: Annotated[ANumber | AName | Annotated[AnyMedium, Tag("<table>")] | Annotated[PlainTable, Tag("<n>")]
+                        | Annotated[DispersionTable, Tag("<dispersion>")],
+                        Discriminator(_interior_kind, custom_error_type="kind", custom_error_message="must be a number, "
+                                      "a catalogue name, a dispersion or a medium")]
 
 
 AnyMaterial = Annotated[DiffuseTable | MirrorTable | BlackTable | DielectricTable, Field(discriminator="type")]
@@ -478,9 +495,9 @@ class RenderTable(Table):
 
     size: tuple[Pixels, Pixels] | None = None
     photons: Annotated[Integer, Field(ge=0, le=2**32 - 1)] | None = None
-    nearest: Annotated[Integer, Field(ge=2, le=2**31 - 1)] | None = None
+    nearest: Annotated[Integer, Field(ge=2, le=MAX_NEAREST)] | None = None
     wavelengths: Wavelengths | None = None
-    samples: Annotated[Integer, Field(ge=1, le=2**31 - 1)] | None = None
+    samples: Annotated[Integer, Field(ge=1, le=MAX_SAMPLES)] | None = None
     seed: Annotated[Integer, Field(ge=0, le=2**63 - 1)] | None = None
     max_radius: Positive | None = None
 
