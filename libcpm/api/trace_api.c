@@ -126,16 +126,15 @@ static cpm_status check_end(cpm_context *context, const cpm_rays_request *q, cpm
 static cpm_status choose_method(cpm_context *context, const cpm_medium *medium, const cpm_rays_request *q,
                                 int32_t *method) {
     const int exact = cpm_medium_has_exact(medium), exact_only = cpm_medium_needs_exact(medium);
-    *method = cpm_method_in(medium, q->method, q->exclude, q->step);
+    *method = cpm_method_in(medium, q->method, q->exclude, q->step, q->rtol);
     if (cpm_medium_is_uniform(medium)) return CPM_OK; /* straight, whatever was asked: no integrator runs */
     if (*method == CPM_METHOD_AUTO)
         return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "exclude is 0x%x; no method is left for this medium",
                         (unsigned)q->exclude);
     if (*method == CPM_METHOD_EXACT && !exact)
-        return cpm_fail(
-            context, CPM_ERROR_UNSUPPORTED,
-            "method is exact; this medium has no closed form (homogeneous, linear-squared, linear, layered "
-            "linear-squared and step, parabolic, luneburg, fisheye and eaton have)");
+        return cpm_fail(context, CPM_ERROR_UNSUPPORTED,
+                        "method is exact; this medium has no closed form (homogeneous, linear-squared, linear, layered "
+                        "linear-squared and step, parabolic, luneburg, fisheye and eaton have)");
     if (*method != CPM_METHOD_EXACT && exact_only)
         return cpm_fail(context, CPM_ERROR_UNSUPPORTED,
                         "discrete layers (step) have no gradient to integrate; only method exact (or auto, exact not "
@@ -236,8 +235,9 @@ static cpm_status check_started(const trace_work *w) {
             const double *r = w->starts[i].r;
             if (!(cpm_medium_n_toward(w->medium, w->starts[i].scale, r, w->starts[i].d) > 0.0))
                 return cpm_fail(w->context, CPM_ERROR_INVALID_ARGUMENT,
-                                "origins[%zu] is (%g, %g, %g), where n is not positive and finite (n^2 <= 0); a ray must start where n > 0", i, r[0],
-                                r[1], r[2]);
+                                "origins[%zu] is (%g, %g, %g), where n is not positive and finite (n^2 <= 0); a ray "
+                                "must start where n > 0",
+                                i, r[0], r[1], r[2]);
         }
     return CPM_OK;
 }

@@ -11,8 +11,8 @@
 
 cpm_status cpm_check_wavelengths(cpm_context *context, const double *wavelengths, size_t count) {
     if (!wavelengths || !count || count > CPM_MAX_BINS)
-        return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "%zu wavelengths; allowed: 1 to %d", wavelengths ? count : 0,
-                        CPM_MAX_BINS);
+        return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "%zu wavelengths; allowed: 1 to %d",
+                        wavelengths ? count : 0, CPM_MAX_BINS);
     for (size_t i = 0; i < count; i++)
         if (!isfinite(wavelengths[i]) || !(wavelengths[i] > 0.0) || (i && !(wavelengths[i] > wavelengths[i - 1])))
             return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT,
@@ -33,8 +33,8 @@ static void find_extent(cpm_pass *pass) {
         if (box.high[k] > box.low[k]) diagonal2 += (box.high[k] - box.low[k]) * (box.high[k] - box.low[k]);
     pass->reach = diagonal2 > 0.0 ? sqrt(diagonal2) : 1.0;
     if (diagonal2 > 0.0)
-        pass->center = cpm_v(0.5 * (box.low[0] + box.high[0]), 0.5 * (box.low[1] + box.high[1]),
-                                    0.5 * (box.low[2] + box.high[2]));
+        pass->center =
+            cpm_v(0.5 * (box.low[0] + box.high[0]), 0.5 * (box.low[1] + box.high[1]), 0.5 * (box.low[2] + box.high[2]));
     for (size_t i = 0; i < scene->light_count; i++)
         if (scene->lights[i].shape < 0) {
             cpm_vec p = scene->lights[i].position;
@@ -62,7 +62,8 @@ static void find_extent(cpm_pass *pass) {
 }
 
 static int32_t method_of(const cpm_scene_options *o, const cpm_medium *medium) {
-    return cpm_medium_needs_exact(medium) ? CPM_METHOD_EXACT : cpm_method_in(medium, o->method, o->exclude, o->step);
+    return cpm_medium_needs_exact(medium) ? CPM_METHOD_EXACT
+                                          : cpm_method_in(medium, o->method, o->exclude, o->step, o->rtol);
 }
 
 static cpm_way way_of(int32_t method, const cpm_medium *medium) {
@@ -77,8 +78,8 @@ static cpm_status look_at_media(cpm_pass *pass) {
         double *scale = &pass->scale[m * pass->bins];
         pass->method[m] = (uint8_t)method_of(&pass->options, medium);
         if (pass->method[m] == CPM_METHOD_AUTO)
-            return cpm_fail(pass->context, CPM_ERROR_INVALID_ARGUMENT, "exclude is 0x%x; no method is left for medium %zu",
-                            (unsigned)pass->options.exclude, m);
+            return cpm_fail(pass->context, CPM_ERROR_INVALID_ARGUMENT,
+                            "exclude is 0x%x; no method is left for medium %zu", (unsigned)pass->options.exclude, m);
         pass->way[m] = (uint8_t)way_of(pass->method[m], medium);
         for (size_t b = 0; b < pass->bins; b++) {
             cpm_status status = cpm_medium_scale(pass->context, medium, pass->wavelengths[b], &scale[b]);
@@ -176,7 +177,8 @@ void cpm_pass_end(cpm_pass *pass) {
 double cpm_pass_index(const cpm_pass *pass, int32_t medium, int32_t bin, cpm_vec point) {
     size_t at = (size_t)medium * pass->bins + (size_t)(bin < 0 ? pass->middle : bin);
     if (pass->way[medium] == CPM_WAY_STRAIGHT) return pass->index[at];
-    return cpm_medium_n(pass->scene->media[medium].medium, pass->scale[at], (const double[3]){point.x, point.y, point.z});
+    return cpm_medium_n(pass->scene->media[medium].medium, pass->scale[at],
+                        (const double[3]){point.x, point.y, point.z});
 }
 
 cpm_status cpm_scene_features(cpm_scene *scene, const double *wavelengths, size_t count, uint32_t *features) {

@@ -53,7 +53,7 @@ def room():
 
 @pytest.mark.parametrize("options", [
     dict(samples=5_000, size=(16, 16)),                     # one tile: all of its samples are one thread's
-    dict(nearest=1_000_000, photons=1_000_000, size=(16, 16)),
+    dict(nearest=1_000_000, photons=1_000_000, size=(64, 48)),
     dict(samples=400, wavelengths=np.linspace(400, 700, 64)),
 ], ids=["samples", "nearest", "bins"])
 def test_gather(options):
