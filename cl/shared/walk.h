@@ -24,7 +24,8 @@ typedef struct cpm_filter {
 #define CPM_WALK_ROUNDING 2e-6f
 #define CPM_FLOAT_EPSILON 1.1920929e-7f
 #define CPM_LEAST_SLOPE 1e-30f /* of a chord's component: its inverse stays finite */
-#define CPM_PATIENCE 3         /* nodes that may be looked at before a primitive found is tested */
+#define CPM_UNTESTED 4         /* primitives that may wait to be tested */
+#define CPM_PATIENCE 3         /* nodes that may be looked at meanwhile */
 #define CPM_STACK (CPM_TREE_DEPTH * (CPM_TREE_WIDTH - 1))
 #define CPM_MAX_CHORDS 100000.0
 #define CPM_OVERLAP 1e-12 /* of theta: a root where two chords meet belongs to one of them at least */
@@ -40,6 +41,7 @@ typedef struct cpm_query {
     double slack;             /* theta within which CPM_HIT_COUNTS is asked */
     const cpm_filter *filter; /* what it is asked of; NULL: nothing */
     cpm_hit best;             /* so far */
+    cpm_i32 untested[CPM_UNTESTED], waiting; /* primitives that are still to be tested, and how many */
 } cpm_query;
 
 typedef struct cpm_cast {     /* the chord as the tree sees it */
@@ -160,9 +162,17 @@ CPM_INLINE float cpm_limit_of(const cpm_query *q) {
     return (float)((q->best.t - c->a) / (c->b - c->a)) * (1.0f + 4.0f * CPM_FLOAT_EPSILON) + CPM_WALK_ROUNDING;
 }
 
-/* The chord's first hit, in q->best. With `defer`: where there is but one primitive to test, it is returned untested;
- * else -1. */
-CPM_INLINE cpm_i32 cpm_walk(cpm_query *q, int defer) {
+/* All that wait; is one of them the best so far? */
+CPM_INLINE int cpm_test_waiting(cpm_query *q) {
+    int found = 0;
+    for (int i = 0; i < q->waiting; i++) found |= cpm_test_primitive(q, q->untested[i]);
+    q->waiting = 0;
+    return found;
+}
+
+/* The chord's first hit, in q->best. With `defer` a few primitives may be left untested, of which one may be hit earlier:
+ * where there are so few, the caller's own loop over many curves tests them faster. */
+CPM_INLINE void cpm_walk(cpm_query *q, int defer) {
     float stack_enter[CPM_STACK];
     cpm_i32 stack_node[CPM_STACK];
     CPM_GLOBAL const cpm_tree_node *nodes = q->tree->nodes;
@@ -170,7 +180,7 @@ CPM_INLINE cpm_i32 cpm_walk(cpm_query *q, int defer) {
     const cpm_i32 never = cpm_falls_back(q) ? -1 : q->left;
     float limit = 1.0f + CPM_WALK_ROUNDING;
     int height = 0, patience = CPM_PATIENCE;
-    cpm_i32 at = 0, untested = -1;
+    cpm_i32 at = 0;
     for (;;) {
         CPM_GLOBAL const cpm_tree_node *node = &nodes[at];
         float enter[CPM_TREE_WIDTH];
@@ -180,15 +190,12 @@ CPM_INLINE cpm_i32 cpm_walk(cpm_query *q, int defer) {
             for (leaves &= cpm_faces_met(node, &s, limit); leaves; leaves &= leaves - 1) {
                 const cpm_i32 primitive = ~node->child[cpm_lowest_bit(leaves)];
                 if (primitive == never) continue;
-                if (defer) {
-                    if (untested < 0) {
-                        untested = primitive;
-                        continue;
-                    }
-                    found |= cpm_test_primitive(q, untested);
-                    untested = -1, defer = 0;
+                if (defer && q->waiting == CPM_UNTESTED) {
+                    found |= cpm_test_waiting(q);
+                    defer = 0;
                 }
-                found |= cpm_test_primitive(q, primitive);
+                if (defer) q->untested[q->waiting++] = primitive;
+                else found |= cpm_test_primitive(q, primitive);
             }
         for (met &= ~node->leaves; met; met &= met - 1) {
             int i = cpm_lowest_bit(met), slot = height++; /* the nearest on top */
@@ -196,14 +203,14 @@ CPM_INLINE cpm_i32 cpm_walk(cpm_query *q, int defer) {
                 stack_enter[slot] = stack_enter[slot - 1], stack_node[slot] = stack_node[slot - 1];
             stack_enter[slot] = enter[i], stack_node[slot] = node->child[i];
         }
-        if (height == 0) return untested;
-        if (untested >= 0 && --patience == 0) { /* a long way still: it had better be cut short */
-            found |= cpm_test_primitive(q, untested);
-            untested = -1, defer = 0;
+        if (height == 0) return;
+        if (q->waiting && --patience == 0) { /* a long way still: it had better be cut short */
+            found |= cpm_test_waiting(q);
+            defer = 0;
         }
         if (found) limit = cpm_limit_of(q);
         do {
-            if (height == 0) return untested;
+            if (height == 0) return;
         } while (stack_enter[--height] > limit);
         at = stack_node[height];
     }
@@ -231,6 +238,7 @@ CPM_INLINE void cpm_query_begin(cpm_query *q, const cpm_tree *tree, const cpm_cu
     q->best.primitive = -1;
     q->best.t = INFINITY, q->best.u = q->best.v = 0.0, q->best.padding = 0;
     q->best.position = curve->c[0];
+    q->waiting = 0;
 }
 
 CPM_INLINE void cpm_first_hit(const cpm_tree *tree, const cpm_curve *curve, double theta_end, cpm_i32 left,

@@ -15,13 +15,17 @@ static void first_hit(const cpm_tree *tree, const cpm_curve *curve, double theta
     cpm_first_hit(tree, curve, theta_end, left, slack, filter, hit);
 }
 
-/* In two rounds. The first walks every curve's chord, and where one primitive is all that it may meet, leaves that
+/* In two rounds. The first walks every curve's chord, and where there are few primitives that it may meet, leaves them
  * untested; the second tests what was left: nothing to guess between one curve's arithmetic and the next's, so that
  * they overlap. */
 static void lot_of_hits(const cpm_tree *tree, const cpm_curve *curves, const double *from, const int32_t *left,
                         size_t count, cpm_hit *hits) {
-    double a[LOT];
-    size_t untested[LOT], waiting = 0;
+    struct {
+        size_t curve;
+        int32_t primitive;
+        double a;
+    } untested[LOT * CPM_UNTESTED];
+    size_t waiting = 0;
     for (size_t i = 0; i < count; i++) {
         const cpm_curve *c = &curves[i];
         const cpm_vec strays = cpm_curve_strays(c, 1.0 - from[i]);
@@ -35,24 +39,23 @@ static void lot_of_hits(const cpm_tree *tree, const cpm_curve *curves, const dou
             cpm_first_hit(tree, c, 1.0, left[i], 0.0, NULL, &hits[i]);
             continue;
         }
-        const int32_t only = cpm_walk(&q, 1);
+        cpm_walk(&q, 1);
         hits[i] = q.best;
-        if (only < 0) {
-            if (q.best.primitive >= 0) hits[i].position = cpm_curve_at(c, q.best.t);
-            continue;
+        for (int w = 0; w < q.waiting; w++) {
+            untested[waiting].curve = i, untested[waiting].primitive = q.untested[w];
+            untested[waiting++].a = q.chord.a;
         }
-        hits[i].primitive = only;
-        a[waiting] = q.chord.a;
-        untested[waiting++] = i;
     }
     for (size_t w = 0; w < waiting; w++) {
-        const size_t i = untested[w];
+        const size_t i = untested[w].curve;
+        const int32_t primitive = untested[w].primitive;
         cpm_hit *hit = &hits[i];
-        hit->u = hit->v = 0.0;
-        hit->t = cpm_first_root(tree, &curves[i], hit->primitive, left[i], a[w], 1.0, &hit->u, &hit->v);
-        if (!(hit->t > -1.0)) hit->primitive = -1;
-        hit->position = cpm_curve_at(&curves[i], hit->t);
+        double u = 0.0, v = 0.0, t = cpm_first_root(tree, &curves[i], primitive, left[i], untested[w].a, 1.0, &u, &v);
+        const int nearer = (hit->primitive < 0) | (t < hit->t) | ((t == hit->t) & (primitive < hit->primitive));
+        if ((t > -1.0) & nearer) hit->primitive = primitive, hit->t = t, hit->u = u, hit->v = v;
     }
+    for (size_t i = 0; i < count; i++)
+        if (hits[i].primitive >= 0) hits[i].position = cpm_curve_at(&curves[i], hits[i].t);
 }
 
 static void first_hits(const cpm_tree *tree, const cpm_curve *curves, const double *from, const int32_t *left,
