@@ -29,8 +29,9 @@ typedef struct cpm_filter {
 #define CPM_STACK (CPM_TREE_DEPTH * (CPM_TREE_WIDTH - 1))
 #define CPM_MAX_CHORDS 100000.0
 #define CPM_OVERLAP 1e-12 /* of theta: a root where two chords meet belongs to one of them at least */
-#define CPM_NEAR_BOX 0.05 /* of the scene: a chord that ends no farther outside is not cut: float loses nothing by it  \
-                           */
+#define CPM_NEAR_BOX                                                                                                   \
+    0.05 /* of the scene: a chord that ends no farther outside is not cut: float loses nothing by it                   \
+          */
 
 /* One curve against one geometry; the chord is the part of the curve that is being asked. */
 typedef struct cpm_query {
@@ -38,9 +39,9 @@ typedef struct cpm_query {
     const cpm_curve *curve;
     cpm_chord chord;
     cpm_i32 left;
-    double slack;             /* theta within which CPM_HIT_COUNTS is asked */
-    const cpm_filter *filter; /* what it is asked of; NULL: nothing */
-    cpm_hit best;             /* so far */
+    double slack;                            /* theta within which CPM_HIT_COUNTS is asked */
+    const cpm_filter *filter;                /* what it is asked of; NULL: nothing */
+    cpm_hit best;                            /* so far */
     cpm_i32 untested[CPM_UNTESTED], waiting; /* primitives that are still to be tested, and how many */
 } cpm_query;
 
@@ -170,8 +171,8 @@ CPM_INLINE int cpm_test_waiting(cpm_query *q) {
     return found;
 }
 
-/* The chord's first hit, in q->best. With `defer` a few primitives may be left untested, of which one may be hit earlier:
- * where there are so few, the caller's own loop over many curves tests them faster. */
+/* The chord's first hit, in q->best. With `defer` a few primitives may be left untested, of which one may be hit
+ * earlier: where there are so few, the caller's own loop over many curves tests them faster. */
 CPM_INLINE void cpm_walk(cpm_query *q, int defer) {
     float stack_enter[CPM_STACK];
     cpm_i32 stack_node[CPM_STACK];
@@ -194,8 +195,10 @@ CPM_INLINE void cpm_walk(cpm_query *q, int defer) {
                     found |= cpm_test_waiting(q);
                     defer = 0;
                 }
-                if (defer) q->untested[q->waiting++] = primitive;
-                else found |= cpm_test_primitive(q, primitive);
+                if (defer)
+                    q->untested[q->waiting++] = primitive;
+                else
+                    found |= cpm_test_primitive(q, primitive);
             }
         for (met &= ~node->leaves; met; met &= met - 1) {
             int i = cpm_lowest_bit(met), slot = height++; /* the nearest on top */

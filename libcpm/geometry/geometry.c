@@ -112,6 +112,7 @@ void cpm_geometry_free(cpm_geometry *g) {
     if (!g) return;
     if (g->straight) rtcReleaseScene(g->straight);
     free((void *)(uintptr_t)g->tree.nodes);
+    free(g->few);
     if (g->device) rtcReleaseDevice(g->device);
     free(g);
 }
@@ -139,7 +140,7 @@ void cpm_geometry_curve(const cpm_geometry *g, const cpm_curve *curve, double th
 void cpm_geometry_curves(const cpm_geometry *g, const cpm_curve *curves, const double *from, const int32_t *left,
                          size_t count, cpm_hit *hits) {
     for (size_t i = 0; i < count; i++) hits[i].primitive = -1;
-    if (g->tree.nodes) g->curve_code->first_hits(&g->tree, curves, from, left, count, hits);
+    if (g->tree.nodes) g->curve_code->first_hits(&g->tree, g->few, curves, from, left, count, hits);
 }
 
 /* An affine function of position as the tree has it: slope . (r - point) with r = center + q/unit. */
@@ -177,7 +178,10 @@ static cpm_status build_curved(cpm_context *context, cpm_geometry *g) {
     if (leaves) {
         for (size_t i = 0; i < count; i++) set_leaf(g, i, &leaves[i]);
         g->tree.nodes = cpm_bvh_build(g->device, leaves, count, &g->node_count, &why);
-        free(leaves);
+        if (count <= CPM_FEW)
+            g->few = leaves;
+        else
+            free(leaves);
     }
     return g->tree.nodes ? CPM_OK : cpm_fail(context, CPM_ERROR_BACKEND, "%s", why);
 }

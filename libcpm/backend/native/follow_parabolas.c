@@ -124,8 +124,14 @@ static void follow_lot(const cpm_pass *pass, const cpm_flight *flights, lot *l, 
             arrival->status = CPM_RAY_HIT;
             arrival->hit = l->hit[i];
             arrival->direction = cpm_scaled(1.0 / speed, tangent);
-        } else if (!stays || !cpm_leaves_after(pass, &flights[which], l->medium, end, tangent, arrival)) {
+        } else if (!stays) {
             cpm_follow_exact(pass, &flights[which], NULL, which, arrival);
+        } else if (!cpm_leaves_after(pass, &flights[which], l->medium, end, tangent, arrival)) {
+            cpm_flight on = flights[which]; /* nothing met so far: on from there, with a look back at the seam */
+            on.position = end, on.direction = cpm_scaled(1.0 / speed, tangent);
+            on.left = -1, on.crossing = 1;
+            cpm_follow_exact(pass, &on, NULL, which, arrival);
+            arrival->steps += 1.0;
         }
     }
     l->count = 0, l->outside = 0;
