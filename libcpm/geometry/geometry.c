@@ -50,6 +50,14 @@ static double choose_sagitta(const cpm_geometry *g, double diagonal) {
     return cpm_min(cap, SAGITTA_OF_EDGE * edges[count / 2]);
 }
 
+/* Is float too coarse for these primitives, as where the Earth is one and a house another? A straight ray starts
+ * START_ULPS of the scene away: that has to be nothing beside the smallest sphere and the usual triangle. */
+static int is_coarse(const cpm_geometry *g) {
+    double size = g->triangle_count ? g->tree.frame.sagitta : INFINITY;
+    for (size_t i = 0; i < g->sphere_count; i++) size = cpm_min(size, g->tree.spheres[i].radius);
+    return START_ULPS * ULP * g->tree.frame.scale > 1e-2 * size;
+}
+
 cpm_box cpm_geometry_box(const cpm_geometry *geometry) { return geometry->box; }
 
 double cpm_geometry_scale(const cpm_geometry *geometry) { return geometry->tree.frame.scale; }
@@ -194,12 +202,12 @@ cpm_status cpm_geometry_prepare(cpm_context *context, cpm_geometry *g, int strai
         g->device = rtcNewDevice(config);
         if (!g->device) return cpm_fail(context, CPM_ERROR_BACKEND, "Embree gave no device");
     }
-    /* straight rays fall back on the curves' tree near edges */
+    /* straight rays fall back on the curves' tree near edges, and everywhere where float is too coarse */
     if ((curved || straight) && !g->tree.nodes) {
         cpm_status status = build_curved(context, g);
         if (status) return status;
     }
-    return straight && !g->straight ? cpm_straight_build(context, g) : CPM_OK;
+    return straight && !g->straight && !is_coarse(g) ? cpm_straight_build(context, g) : CPM_OK;
 }
 
 cpm_vec cpm_geometry_step_back(const cpm_geometry *g, const cpm_hit *hit, cpm_vec start, cpm_vec came) {

@@ -67,7 +67,8 @@ cpm_vec cpm_geometry_step_back(const cpm_geometry *geometry, const cpm_hit *hit,
 /* Is the hit so near an edge of its triangle that the next straight ray has to be asked exactly? */
 int cpm_geometry_near_edge(const cpm_geometry *geometry, const cpm_hit *hit);
 
-/* Is there any surface between a and b? In float: for coverage, not for light. Needs `straight` prepared. */
+/* Is there any surface between a and b? In float where that will do: for coverage, not for
+ * light. */
 int cpm_geometry_between(const cpm_geometry *geometry, cpm_vec a, cpm_vec b);
 
 /* Version of the Embree that runs, "3.13.5". */

@@ -227,7 +227,13 @@ void cpm_geometry_straight(const cpm_geometry *g, cpm_vec origin, cpm_vec direct
 
 int cpm_geometry_between(const cpm_geometry *g, cpm_vec a, cpm_vec b) {
     query q;
-    if (!g->straight) return 0;
+    if (!g->straight) { /* float is too coarse for this scene */
+        cpm_hit hit;
+        cpm_curve line = {.degree = 1};
+        line.c[0] = a, line.c[1] = cpm_sub(b, a);
+        cpm_geometry_curve(g, &line, 1.0, -1, 0.0, NULL, &hit);
+        return hit.primitive >= 0;
+    }
     const cpm_vec way = cpm_sub(b, a), local = cpm_sub(a, g->center);
     const cpm_straight_ray line = {.origin = &a, .direction = &way, .left = -1}, *only = &line;
     cpm_embree_context_init(&q.base);

@@ -10,6 +10,8 @@
 #include "cl/shared/octahedral.h"
 #include "pages.h"
 
+#define FAR_OFF 1e4 /* metres of diagonal: half of it, by a float's 24 bits, is 0.3 mm */
+
 void cpm_photons_retain(cpm_photons *photons) {
     if (photons) atomic_fetch_add(&photons->references, 1);
 }
@@ -29,6 +31,20 @@ static double box_diagonal(cpm_box box) {
     return sqrt(sum);
 }
 
+/* What positions are told from, in float: the middle of the geometry, or, where that is so far off that it would cost a
+ * millimetre (on a planet's ground), the camera, which sees what is near it the sharpest, or a light. */
+static cpm_vec origin_of(const cpm_pass *pass, cpm_box box, double diagonal) {
+    const cpm_scene *scene = pass->scene;
+    if (!(box.low[0] <= box.high[0])) return cpm_v(0.0, 0.0, 0.0);
+    if (diagonal > FAR_OFF) {
+        const double *c = scene->camera.origin;
+        if (scene->has_camera) return cpm_v(c[0], c[1], c[2]);
+        for (size_t i = 0; i < scene->light_count; i++)
+            if (scene->lights[i].kind != CPM_LIGHT_AREA) return scene->lights[i].position;
+    }
+    return cpm_v(0.5 * (box.low[0] + box.high[0]), 0.5 * (box.low[1] + box.high[1]), 0.5 * (box.low[2] + box.high[2]));
+}
+
 static cpm_photons *photons_new(const cpm_pass *pass) {
     cpm_photons *p = calloc(1, sizeof *p);
     if (!p) return NULL;
@@ -42,9 +58,7 @@ static cpm_photons *photons_new(const cpm_pass *pass) {
     p->stats.features = pass->features;
     cpm_box box = cpm_geometry_box(pass->geometry);
     p->diagonal = box_diagonal(box);
-    if (box.low[0] <= box.high[0])
-        p->origin =
-            cpm_v(0.5 * (box.low[0] + box.high[0]), 0.5 * (box.low[1] + box.high[1]), 0.5 * (box.low[2] + box.high[2]));
+    p->origin = origin_of(pass, box, p->diagonal);
     if (!p->wavelengths || !p->energy) {
         cpm_photons_release(p);
         return NULL;

@@ -441,7 +441,7 @@ static void work(task *t, shared_work *shared, int reports) {
 #pragma omp atomic write
             shared->too_many = 1;
         }
-        if (reports && batch % 16 == 0) cpm_progress(context, "trace", (double)batch / (double)shared->batches);
+        if (reports) cpm_progress(context, "trace", (double)batch / (double)shared->batches);
     }
 }
 
