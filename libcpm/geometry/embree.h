@@ -1,7 +1,10 @@
 /* geometry/embree.h: hides the difference between Embree 3 and 4; included by geometry files only. */
 #ifndef CPM_GEOMETRY_EMBREE_H
 #define CPM_GEOMETRY_EMBREE_H
-#if __has_include(<embree4/rtcore.h>) && !__has_include(<embree3/rtcore.h>)
+#ifndef CPM_EMBREE_MAJOR /* the build says which it links */
+#define CPM_EMBREE_MAJOR (__has_include(<embree4/rtcore.h>) && !__has_include(<embree3/rtcore.h>) ? 4 : 3)
+#endif
+#if CPM_EMBREE_MAJOR >= 4
 #include <embree4/rtcore.h>
 #define CPM_EMBREE 4
 typedef struct RTCRayQueryContext cpm_embree_context;

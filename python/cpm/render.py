@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from ._arrays import as_integer
+from ._arrays import as_integer, as_number
 from ._progress import ProgressLike, reporting
 from .image import Image
 from .lights import light_spectrum
@@ -87,6 +87,8 @@ def render(scene: Scene, size: tuple[int, int] | None = None, photons: int | Pho
         if wavelengths is not None:
             raise ValueError("wavelengths are given with photons traced before; the picture has theirs")
         wavelengths = traced.wavelengths
+    if max_radius is not None and not as_number(max_radius, "max_radius") > 0:
+        raise ValueError(f"max_radius is {max_radius:g}; it must be > 0 (metres)")
     settings = resolve(scene.render_defaults, size=size, photons=count, nearest=nearest, wavelengths=wavelengths,
                        samples=samples, seed=seed, max_radius=max_radius)
     with reporting(progress) as report:

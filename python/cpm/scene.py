@@ -156,8 +156,8 @@ class Scene:
         Shape
         """
         material = as_material(material)
-        points, triangles = as_points(vertices, "vertices"), _as_faces(faces, len(np.atleast_2d(vertices)))
-        shading = None if normals is None else as_points(normals, "normals")
+        points, triangles = as_points(vertices, "vertices").copy(), _as_faces(faces, len(np.atleast_2d(vertices)))
+        shading = None if normals is None else as_points(normals, "normals").copy()
         if shading is not None and shading.shape != points.shape:
             raise ValueError(f"normals has shape {shading.shape}; that of vertices, {points.shape}, is needed")
         core_material = material._core()
@@ -300,4 +300,4 @@ def _as_faces(faces: npt.ArrayLike, vertex_count: int) -> npt.NDArray[np.uint32]
     if bad.size:
         row, column = bad[0]
         raise ValueError(f"faces[{row}][{column}] is {triangles[row, column]}; 0 to {vertex_count - 1} are allowed")
-    return np.ascontiguousarray(triangles, dtype=np.uint32)
+    return np.array(triangles, dtype=np.uint32, order="C")  # ours: the caller's may change

@@ -64,6 +64,16 @@ def test_closed_box(name, count):
     nothing_outside(cpm.trace_photons(closed_box(MEDIA[name]()), count, seed=1, wavelengths=[550.0]))
 
 
+@pytest.mark.parametrize("top", [1.0, 0.5, 0.7])
+def test_walls_on_the_faces_of_discrete_layers(top):
+    """Rays are thrown back by total reflection at the very face where the wall is: the wall comes first."""
+    medium = cpm.media.Layered([-1.0, -0.5, 0.0, 0.5, 1.0], [1.4, 1.3, 1.24, 1.16, 1.1], interpolation="step")
+    scene = cpm.Scene(medium=medium)
+    scene.add_mesh(*scenes.box_mesh((-1, -1, -1), (1, top, 1)), material=cpm.materials.Diffuse(0.7))
+    scene.add_light(cpm.lights.Point((-0.3, 0.2, -0.2), 1.0))
+    nothing_outside(cpm.trace_photons(scene, 100_000, seed=1, wavelengths=[550.0]))
+
+
 def in_parts(name, count):
     """In parts of a million, so that memory stays bounded."""
     scene = closed_box(MEDIA[name]())

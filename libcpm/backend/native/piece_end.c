@@ -61,8 +61,11 @@ static void arrive(cpm_arrival *arrival, const cpm_curve *curve, double theta, i
 double cpm_end_of_piece(const cpm_pass *pass, const cpm_flight *flight, const cpm_curve *curve, cpm_arrival *arrival) {
     /* a layer's face at the start makes a first piece of no length: the next one starts on the surface still */
     int first = cpm_norm(cpm_sub(curve->c[0], flight->position)) <= SLACK * pass->reach;
-    double out = leaves_extent(pass, curve, 1.0), end = cpm_min(1.0, out);
     double speed = cpm_norm(curve->c[1]); /* dr/dtheta */
+    /* A wall on the very face of a layer may lie beyond the piece's end by rounding, and the next piece may be thrown back
+     * there: so what is that near counts, before the ray turns. */
+    double ahead = speed > 0.0 ? SLACK * pass->reach / speed : 0.0;
+    double out = leaves_extent(pass, curve, 1.0), end = cpm_min(1.0 + ahead, out);
     cpm_hit hit;
     cpm_start from = {pass, flight};
     const cpm_filter filter = {cpm_start_counts, &from};

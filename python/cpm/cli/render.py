@@ -14,6 +14,8 @@ def render(scene: options.Scene, output: options.Outputs = None, photons: option
            quiet: options.Quiet = False) -> None:
     """Render a scene to spectral EXR and PNG."""
     outputs = options.outputs_or_default(output, scene)
+    if exposure is not None and not exposure > 0:
+        raise ValueError(f"--exposure is {exposure:g}; it must be > 0")
     image = render_scene(options.load_for_picture(scene), size=size, photons=photons, nearest=nearest,
                          samples=samples, seed=seed, backend=backend, precision=precision, threads=threads,
                          progress=not quiet)

@@ -1,6 +1,10 @@
 """Triangles for shapes of scene files: quads, and mesh files through trimesh."""
 from __future__ import annotations
 
+import signal
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -21,13 +25,30 @@ def quads(table: QuadsTable) -> tuple[FloatArray, np.ndarray]:
     return vertices, np.concatenate([first + np.array(half) for half in ((0, 1, 2), (0, 2, 3))])
 
 
+@contextmanager
+def uninterrupted() -> Iterator[None]:
+    """Ctrl-C comes after: what is imported here swallows a KeyboardInterrupt in its own ``except BaseException``."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    came: list[int] = []
+    before = signal.signal(signal.SIGINT, lambda *_: came.append(1))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+    if came:
+        raise KeyboardInterrupt
+
+
 def load_mesh(path: Path, smooth: bool) -> tuple[FloatArray, np.ndarray, FloatArray | None]:
     """Vertices and faces of a mesh file and, when ``smooth``, shading normals."""
     if path.suffix.lower() not in SUFFIXES:
         raise ValueError(f"suffix '{path.suffix}' ({', '.join(SUFFIXES)} are allowed)")
     if not path.is_file():
         raise ValueError("no such file")
-    import trimesh
+    with uninterrupted():
+        import trimesh
 
     try:
         mesh: Any = trimesh.load_scene(path, process=False).to_mesh()
