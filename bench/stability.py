@@ -84,6 +84,16 @@ def tanh_case(kind, width, delta, length=2.0):
     return end(tanh_medium(kind, width), (0, -0.5, 0), slope(1.0 - delta), ray, length=length)
 
 
+def from_afar(rtol):
+    def run(precision):
+        distance = np.random.default_rng(3).uniform(0.1, 10.0, 200)
+        d = np.array([0.5, np.sqrt(0.75), 0.0])
+        found = cpm.trace(tanh_medium("formula", 1e-9), np.outer(-distance, (0, 1, 0)), np.tile(d, (200, 1)), wavelength=WAVELENGTH,
+                          rtol=rtol, precision=precision, length=distance / d[1] + 1.0)
+        return outcome(found, np.max(np.abs(found.direction[:, 0] - 0.75)))
+    return run
+
+
 def layers():
     for kind in ("formula", "table"):
         for width in (1e-2, 1e-4, 1e-6, 1e-9):
@@ -91,6 +101,9 @@ def layers():
                 delta = 1.0 - 1.5 * np.sin(np.radians(degrees))
                 yield Case("tanh step 1.5 → 1", f"{kind}, width {width:.0e} m, {degrees:.0f}°, {what}", "quadrature (Snell's angle)",
                            tanh_case(kind, width, delta))
+    for rtol in (1e-2, 1e-4):
+        yield Case("tanh step 1.5 → 1", f"formula, width 1e-09 m, 30°, 200 distances of 0.1 … 10 m, rtol {rtol:.0e}; worst p_x/|p|",
+                   "Snell", from_afar(rtol), bounds=dict.fromkeys(RTOL, 10 * rtol))
     for delta in (1e-3, 1e-6, 1e-9):
         for sign, what in ((1, "just through"), (-1, "just turned")):
             yield Case("grazing", f"width 1 mm, p_x {'below' if sign > 0 else 'above'} n₂ by {delta:.0e}, {what}", "quadrature",
@@ -216,13 +229,19 @@ def vanishing():
     medium = cpm.media.LinearSquared(1.0, gradient=(0, -1, 0))
     yield Case("n → 0", "n² = 1 − y straight up, integrated; distance from y = 1", "n = 0 there", cut_off, (Status.CUTOFF,),
                {"double": 1e-6, "single": 1e-4})
-    for degrees in (1e-2, 1.0):
+    for degrees in (1e-3, 1e-2, 1.0):
         a = np.radians(degrees)
         d = (np.sin(a), np.cos(a), 0)
         reference = lambda d=d: closed_forms.linear_squared(1.0, (0, -1, 0), (0, 0, 0), (0, 0, 0), d, length=1.8)  # noqa: E731
         for exclude, what in (((), "exact"), (("exact",), "integrated")):
             yield Case("n → 0", f"{degrees:g}° off it, {what}: turns where n = sin θ", "the parabola",
                        end(medium, (0, 0, 0), d, reference, length=1.8, exclude=exclude))
+        yield Case("n → 0", f"{degrees:g}° off it, adams", "the parabola", end(medium, (0, 0, 0), d, reference, length=1.8, method="adams"))
+    yield Case("n → 0", "0.001° off it, integrated, rtol 1e-12", "the parabola",
+               end(medium, (0, 0, 0), (np.sin(np.radians(1e-3)), np.cos(np.radians(1e-3)), 0),
+                   lambda: closed_forms.linear_squared(1.0, (0, -1, 0), (0, 0, 0), (0, 0, 0),
+                                                       (np.sin(np.radians(1e-3)), np.cos(np.radians(1e-3)), 0), length=1.8),
+                   length=1.8, exclude=("exact",), rtol=1e-12))
 
 
 # --- grids ---
