@@ -23,7 +23,7 @@ def test_a_thousand_million_can_be_stopped():
     """Work begins at once and ends with the call-back's exception: nothing is reserved for 1e9 before."""
     seen = []
 
-    class Enough(Exception):
+    class Enough(Exception):  # noqa: N818
         pass
 
     def progress(stage, fraction):

@@ -1,6 +1,7 @@
 """Light about a black hole in isotropic coordinates (DESIGN section 13): a formula whose index has a pole at r = M/2.
 
-n = (1 + M/2r)³/(1 − M/2r): circular orbit at r = (1 + √3/2) M, unstable (errors grow by e^2π a turn), critical impact 3√3 M.
+n = (1 + M/2r)³/(1 − M/2r): circular orbit at r = (1 + √3/2) M, unstable (errors grow by e^2π a turn); critical
+impact 3√3 M.
 """
 
 import numpy as np
@@ -22,7 +23,9 @@ def index(r):
 
 
 def trace(origin, direction, length, rtol=1e-10, **options):
-    return cpm.trace(cpm.media.Expression(HOLE, M=1.0), origin, direction, wavelength=550.0, length=length, rtol=rtol, **options)
+    return cpm.trace(
+        cpm.media.Expression(HOLE, M=1.0), origin, direction, wavelength=550.0, length=length, rtol=rtol, **options
+    )
 
 
 def aimed(excess):
@@ -58,7 +61,9 @@ def test_escapes(excess):
 @pytest.mark.parametrize("excess", [-1e-6, -1e-3, -0.1, -1.0])
 def test_falls_in(excess, precision):
     """Below it the ray winds to the horizon, where n is infinite: a status that says so, finite, within the bound."""
-    found = trace(*aimed(excess), 400.0, 1e-9 if precision == "double" else 1e-6, precision=precision, max_evaluations=50_000)
+    found = trace(
+        *aimed(excess), 400.0, 1e-9 if precision == "double" else 1e-6, precision=precision, max_evaluations=50_000
+    )
     assert found.status[0] in ENDS and found.evaluations[0] <= 50_100
     assert np.linalg.norm(found.position[0]) == pytest.approx(0.5, abs=1e-3)
     for name in ("position", "direction", "momentum", "optical_path", "drift", "error_estimate"):
