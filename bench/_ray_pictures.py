@@ -41,7 +41,8 @@ def ratio_picture(compared):
             axis.annotate(f"{row[7]}\n/ {row[3]}", (x, 0.02), ha="center", fontsize=6, color="white", rotation=90)
         axis.axhline(0.6, color="tab:green", lw=1, label="goal: geometric mean")
         axis.axhline(0.9, color="tab:red", lw=1, label="goal: worst")
-        axis.set(title=f"gradient evaluations over the best peer's, achieved error {level:g}", ylim=(0, 1.4 * max(1.0, *(row[5] for row in rows))))
+        axis.set(title=f"gradient evaluations over the best peer's, achieved error {level:g}",
+                 ylim=(0, 1.4 * max(1.0, *(row[5] for row in rows))))
         axis.set_xticks(at, [row[0] for row in rows], rotation=30, ha="right")
         axis.legend(fontsize=8, loc="upper left", ncols=2)
     return figure
