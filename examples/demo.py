@@ -18,7 +18,7 @@ from cpm.ray_picture import ray_picture
 
 HERE = Path(__file__).resolve().parent
 ROOMS = ("cross_room_homogeneous", "cross_room_curved")
-BRIGHTER = 0.7  # than the default exposure: the lit cross just below white, so that its grain shows
+EXPOSURE = 0.7  # of the default: the lit cross just below white, so that its grain shows
 
 STAGES = ("prepare", "project", "trace", "map", "gather", "total")
 COUNTS = ("photons_emitted", "photons_stored_direct", "photons_stored_later", "photons_stored_caustic", "eye_rays")
@@ -31,7 +31,7 @@ def render_room(name: str, output: Path, options: dict[str, object],
     print(f"{name}: photons and picture")
     image = cpm.render(scene, progress=True, **options)
     image.save(output / f"{name}.exr")
-    exposure = exposure or BRIGHTER * auto_exposure(image.to_xyz()[..., 1])
+    exposure = exposure or EXPOSURE * auto_exposure(image.to_xyz()[..., 1])
     image.save(output / f"{name}.png", exposure=exposure, white="E")
     print(f"{name}: photon map and rays")
     dots = {key: value for key, value in options.items() if key == "size"}
