@@ -50,6 +50,12 @@ typedef long cpm_i64;
 #define cpm_sqrt(x) sqrt((double)(x)) /* of one double */
 #define CPM_CLEAR(x)                                                                                                   \
     for (size_t clear_ = 0; clear_ < sizeof(x); clear_++) ((uchar *)&(x))[clear_] = 0
+/* Tables of several media: one buffer, and where each begins. */
+typedef struct {
+    __global const double *all;
+    __global const long *first;
+} cpm_tables;
+#define cpm_table_of(tables, i) ((tables).all + (tables).first[i])
 
 #else /* ------------------------------------------------------------------------------------------------------ C11 */
 #include <math.h>
@@ -85,11 +91,16 @@ static inline double cpm_double_of(cpm_u64 bits) {
 }
 #define cpm_sqrt(x) sqrt((double)(x))
 #define CPM_CLEAR(x) memset(&(x), 0, sizeof(x))
+typedef struct {
+    const double *const *of;
+} cpm_tables;
+#define cpm_table_of(tables, i) ((tables).of[i])
 #endif /* ------------------------------------------------------------------------------------------------ both sides  \
         */
 
 #define CPM_INLINE static inline
-#define CPM_ALWAYS_INLINE static inline __attribute__((always_inline)) /* where a call would cost more than it saves */
+#define CPM_ALWAYS_INLINE static inline __attribute__((always_inline)) /* where a call would cost more than it saves   \
+                                                                        */
 /* A function that is not worth room in its caller's registers and code. */
 #if defined(__GNUC__) || defined(__clang__)
 #define CPM_APART static __attribute__((noinline, unused))
