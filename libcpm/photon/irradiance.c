@@ -14,7 +14,7 @@ typedef struct request {
     int first, last; /* trees */
 } request;
 
-static void estimate(const request *q, cpm_query *queries[CPM_POPULATIONS], size_t i) {
+static void estimate(const request *q, cpm_map_query *queries[CPM_POPULATIONS], size_t i) {
     const double *r = &q->points[3 * i], *n = &q->normals[3 * i];
     cpm_vec local = cpm_sub(cpm_v(r[0], r[1], r[2]), q->photons->origin);
     cpm_vec unit = cpm_unit(cpm_v(n[0], n[1], n[2]));
@@ -65,7 +65,7 @@ cpm_status cpm_photons_irradiance(cpm_context *context, const cpm_photons *photo
     int failed = 0;
 #pragma omp parallel num_threads(context->threads) if (count > 64)
     {
-        cpm_query *queries[CPM_POPULATIONS] = {NULL};
+        cpm_map_query *queries[CPM_POPULATIONS] = {NULL};
         int ready = 1;
         for (int t = q.first; t <= q.last; t++) ready &= (queries[t] = cpm_query_create(photons->trees[t])) != NULL;
         if (!ready) {
