@@ -42,7 +42,7 @@ cpm_map map_of(const std::string &name) {
 
 std::shared_ptr<Photons> trace_photons(const std::shared_ptr<Scene> &scene, uint64_t count, uint64_t seed,
                                        const Doubles &wavelengths, bool projection, int32_t batch, int32_t threads,
-                                       py::object progress) {
+                                       int32_t device, py::object progress) {
     cpm_photons_options options{};
     options.struct_size = sizeof options;
     options.photons = count;
@@ -54,7 +54,7 @@ std::shared_ptr<Photons> trace_photons(const std::shared_ptr<Scene> &scene, uint
 
     auto photons = std::make_shared<Photons>();
     photons->scene = scene;
-    const Context context(threads);
+    const Context context(threads, device);
     run_long(context, std::move(progress), [&] {
         return cpm_photons_trace(context.get(), scene->handle.get(), &options, photons->handle.out());
     });
@@ -149,5 +149,6 @@ void bind_photons(py::module_ &module) {
         .def("energy", &energy)
         .def("stats", &stats);
     module.def("trace_photons", &trace_photons, py::kw_only(), arg("scene"), arg("photons"), arg("seed"),
-               arg("wavelengths"), arg("projection"), arg("batch"), arg("threads"), arg("progress").none(true));
+               arg("wavelengths"), arg("projection"), arg("batch"), arg("threads"), arg("device"),
+               arg("progress").none(true));
 }

@@ -8,13 +8,6 @@
 
 #define CPM_EQUAL_INDEX 1e-9 /* a jump of n below this is none */
 
-/* Is the hit so near an edge of its triangle that the next straight ray has to be asked exactly? */
-CPM_INLINE int cpm_is_near_edge(const cpm_tree *tree, const cpm_hit *hit) {
-    if (hit->primitive >= tree->frame.triangle_count) return 1;
-    double least = cpm_min(hit->u, cpm_min(hit->v, 1.0 - hit->u - hit->v));
-    return !(least > tree->triangles[hit->primitive].near_edge);
-}
-
 /* Does a bundle part here, because the medium behind disperses? */
 CPM_INLINE int world_splits(const cpm_world *w, const cpm_flight *flight, const cpm_arrival *arrival) {
     return flight->bin < 0 && arrival->behind.count && w->places[cpm_region_medium(&arrival->behind)].disperses;

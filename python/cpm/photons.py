@@ -10,6 +10,7 @@ import numpy.typing as npt
 from . import _core
 from ._arrays import FloatArray, as_integer, as_number, as_points
 from ._progress import ProgressLike, reporting
+from .devices import device_index
 from .scene import Scene
 from .settings import MAX_BATCH, MAX_NEAREST, resolve
 from .status import feature_names, require_native
@@ -145,7 +146,9 @@ def trace_photons(scene: Scene, photons: int | None = None, *, seed: int | None 
         0: chosen.
     progress : bool or callable
         True: a bar; a callable gets ``(stage, fraction)``.
-    backend : {"native"}
+    backend : str
+        "native": the processor's threads. "opencl": the first OpenCL device that serves; "opencl:1" or "opencl:name":
+        the one of that number or with that in its name (:func:`cpm.devices`). The same seed gives the same photons.
     precision : {"double"}
 
     Returns
@@ -159,13 +162,15 @@ def trace_photons(scene: Scene, photons: int | None = None, *, seed: int | None 
     """
     if not isinstance(scene, Scene):
         raise TypeError(f"scene is {scene!r}; a cpm.Scene is needed")
-    require_native(backend, precision)
+    device = device_index(backend)
+    if precision != "double":
+        require_native("native", precision)
     settings = resolve(scene.render_defaults, photons=photons, seed=seed, wavelengths=wavelengths)
     with reporting(progress) as report:
         handle = _core.trace_photons(scene=scene._use(), photons=settings.photons, seed=settings.seed,
                                      wavelengths=settings.wavelengths, projection=bool(projection),
                                      batch=as_integer(batch, "batch", 0, MAX_BATCH),
-                                     threads=as_integer(threads, "threads", 0, 1024), progress=report)
+                                     threads=as_integer(threads, "threads", 0, 1024), device=device, progress=report)
     return Photons(handle, settings.wavelengths)
 
 
