@@ -14,8 +14,9 @@
 #define CPM_RIM_PROBES 8
 #define CPM_PROBES 64
 #define CPM_LEAST_COVERAGE (1.0 / 16.0) /* below, the estimate would rest on a handful of probes */
-#define CPM_PROBE_DEPTH 0.2 /* of the radius: how far a surface may bend away from the tangent plane and still count   \
-                             */
+#define CPM_PROBE_DEPTH                                                                                                \
+    0.2 /* of the radius: how far a surface may bend away from the tangent plane and still count                       \
+         */
 #define CPM_GOLDEN_TURN 0.38196601125010515
 
 #if CPM_WIDTH == 1 && !CPM_SINGLE
@@ -50,13 +51,13 @@ CPM_INLINE double world_disc_coverage(const cpm_world *w, cpm_vec point, cpm_vec
     return cpm_max((double)covered / CPM_PROBES, CPM_LEAST_COVERAGE);
 }
 
-/* Adds one population's irradiance at a surface point, on the side of the unit normal, to irradiance[bins]. `local`:
+/* Adds one population's irradiance at a surface point, on the side of the unit normal, to irradiance[bins]. `placed`:
  * the point from the map's origin. *whole: the radius of a disc known to lie wholly on its surface: so do all that are
  * smaller; the widest population first, mostly. */
 CPM_INLINE void world_gather(const cpm_world *w, int corrected, cpm_map_search *search, cpm_u32 nearest,
-                             double max_radius, cpm_vec point, cpm_vec local, cpm_vec normal, double *whole,
+                             double max_radius, cpm_vec point, cpm_vec placed, cpm_vec normal, double *whole,
                              CPM_GLOBAL double *irradiance) {
-    const float at[3] = {(float)local.x, (float)local.y, (float)local.z};
+    const float at[3] = {(float)placed.x, (float)placed.y, (float)placed.z};
     const float n[3] = {(float)normal.x, (float)normal.y, (float)normal.z};
     cpm_map_found found;
     double radius2, total = 0.0, larger_by = 1.0;

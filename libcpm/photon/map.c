@@ -4,8 +4,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "cl/shared/map_search.h"
 #include "search_host.h"
+/* after the host's */
+#include "cl/shared/map_search.h"
 
 void cpm_tree_free(cpm_map_tree *tree) {
     if (!tree) return;

@@ -64,8 +64,7 @@ static void see(viewer *v, size_t i, int32_t depth) {
     v->segments++;
     v->evaluations += a->evaluations;
     if (seen == CPM_SEEN_DIFFUSE) {
-        const cpm_vec normal = world_shading_normal(w, &a->hit, eye_facing(w, a));
-        cpm_gather_irradiance(v->gather, w, v->queries, a->hit.position, normal, v->irradiance);
+        cpm_gather_seen(v->gather, w, v->queries, a, v->irradiance);
         v->gathers++;
     }
     eye_add(w, v->eye, flight, a, seen, weights, v->irradiance, &v->sum[(size_t)pixel * bins]);

@@ -24,6 +24,9 @@ void cpm_gather_queries_free(cpm_map_query *queries[CPM_POPULATIONS]);
  * irradiance[bins]. */
 void cpm_gather_irradiance(const cpm_gather *gather, const cpm_world *world, cpm_map_query *queries[CPM_POPULATIONS],
                            cpm_vec point, cpm_vec normal, double *irradiance);
+/* The same where an eye ray has arrived. */
+void cpm_gather_seen(const cpm_gather *gather, const cpm_world *world, cpm_map_query *queries[CPM_POPULATIONS],
+                     const cpm_arrival *arrival, double *irradiance);
 /* The order in which populations are searched: the widest discs first, mostly. */
 extern const int cpm_gather_order[CPM_POPULATIONS];
 

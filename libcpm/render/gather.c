@@ -3,15 +3,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cl/shared/octahedral.h"
-#include "eye.h"
-#include "geometry/geometry.h"
-#include "photon/search_host.h"
-
-/* Embree's tree of floats, instead of ours. */
-#define CPM_BETWEEN(w, a, b) cpm_geometry_between((w)->geometry, a, b)
 #include "backend/native/host.h"
+#include "eye.h"
+#include "photon/search_host.h"
+/* Embree's tree of floats, instead of ours */
+#define CPM_BETWEEN(w, a, b) cpm_geometry_between((w)->geometry, a, b)
+/* after the host's */
 #include "cl/shared/coverage.h"
+#include "cl/shared/eye.h"
 
 #define PROBES 512     /* photons whose own k-th neighbour is looked up to find the direct cap */
 #define QUANTILE 0.9   /* nine in ten photons lie where the estimate reaches k within ... */
@@ -91,4 +90,10 @@ void cpm_gather_irradiance(const cpm_gather *gather, const cpm_world *world, cpm
             world_gather(world, gather->geometry != NULL, &queries[t]->state, nearest, gather->max_radius[t], point,
                          local, normal, &whole, irradiance);
     }
+}
+
+void cpm_gather_seen(const cpm_gather *gather, const cpm_world *world, cpm_map_query *queries[CPM_POPULATIONS],
+                     const cpm_arrival *arrival, double *irradiance) {
+    const cpm_vec normal = world_shading_normal(world, &arrival->hit, eye_facing(world, arrival));
+    cpm_gather_irradiance(gather, world, queries, arrival->hit.position, normal, irradiance);
 }
