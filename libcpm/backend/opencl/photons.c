@@ -224,8 +224,7 @@ static cl_int look(photon_pass *p, uint64_t *left, uint64_t *bytes) {
 /* Some waves, which store into `stage`; does not wait. */
 static cl_int start_waves(photon_pass *p, int stage) {
     const cpm_opencl *o = p->opencl;
-    cl_int code = o->cl->EnqueueWriteBuffer(o->queue, p->buffers.tallies, CL_FALSE, 0,
-                                            p->sizes.items * sizeof *p->tallies, p->tallies, 0, NULL, NULL);
+    cl_int code = CL_SUCCESS;
     for (int i = 0; i < CPM_WAVES && code == CL_SUCCESS; i++) code = wave(p, stage);
     return code == CL_SUCCESS ? o->cl->Flush(o->queue) : code;
 }
@@ -263,6 +262,9 @@ static cpm_status waves(photon_pass *p, uint64_t photons, uint64_t most) {
         staged seen = {NULL, NULL};
         code = look(p, &left, &bytes);
         if (code == CL_SUCCESS) code = see(p, stage, &seen);
+        if (code == CL_SUCCESS && left) /* what they have stored counts from 0 again */
+            code = p->opencl->cl->EnqueueWriteBuffer(p->opencl->queue, p->buffers.tallies, CL_FALSE, 0,
+                                                     p->sizes.items * sizeof *p->tallies, p->tallies, 0, NULL, NULL);
         if (code == CL_SUCCESS && left) code = start_waves(p, 1 - stage);
         if (code == CL_SUCCESS) room = drain(p, &seen, p->stored);
         const cl_int back = unsee(p, stage, &seen);
