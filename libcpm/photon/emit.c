@@ -87,6 +87,18 @@ size_t cpm_emit(const cpm_pass *pass, const cpm_emitter *e, uint64_t path, size_
     return carrying;
 }
 
+/* A surface emits n^2 L: a path's weight has the middle bin's n, the others have their own where a medium disperses. */
+const float *cpm_emit_spectrum(const cpm_pass *pass, const cpm_emitter *e, const cpm_flight *flight, float *own) {
+    const int32_t medium = cpm_region_medium(&flight->region);
+    if (e->light->kind != CPM_LIGHT_AREA || !pass->disperses[medium]) return e->weight;
+    const double middle = squared_index(pass, &flight->region, flight->position);
+    for (size_t b = 0; b < pass->bins; b++) {
+        const double n = cpm_pass_index(pass, medium, (int32_t)b, flight->position);
+        own[b] = n > 0.0 ? (float)((double)e->weight[b] * (n * n / middle)) : 0.0f;
+    }
+    return own;
+}
+
 /* N paths over a solid angle, or over an area and its hemisphere: k of them fill a circle of angular radius
  * sqrt(k angle/(pi N)), or sqrt(k area/(pi N)) metres on the light and sqrt(k/N) more for each metre away. */
 cpm_leeway cpm_emitter_leeway(const cpm_pass *pass, const cpm_emitter *e, float weight) {

@@ -17,6 +17,7 @@
 
 #define BATCH 512
 #define MEMORY_SHARE 0.4 /* of the machine's, for stored photons: building their map takes as much again */
+#define SHARP 1e-12 /* radians between refracted colours of one path: caustics are finer than any circle of photons */
 #define MAX_BOUNCES 4096 /* a closed room of albedo 1 would keep its photons for ever: beyond, they are lost */
 
 typedef struct walker { /* what a path has been through */
@@ -254,7 +255,7 @@ static void meet_boundary(task *t, walker *w, const cpm_flight *f, const cpm_arr
     const cpm_pass *pass = t->pass;
     cpm_passage passage;
     size_t first, count = carried(t, f, &first);
-    if (cpm_bundle_parts(pass, f, a, t->leeway.angle)) { /* each its own way */
+    if (cpm_bundle_parts(pass, f, a, t->together ? SHARP : 0.0)) { /* each its own way */
         for (int upper = 0; upper < 2; upper++) {
             walker one = *w;
             cpm_flight half;
@@ -319,10 +320,36 @@ static void start_apart(task *t, uint32_t path, cpm_flight *flight) {
     }
 }
 
+/* A path starts with all its bins; its powers are there. */
+static void start(task *t, const cpm_emitter *e, uint32_t path, float weight, const cpm_flight *flight) {
+    walker *w = &t->next.walkers[t->next.count];
+    if (t->together) t->next.leeways[t->next.count] = cpm_emitter_leeway(t->pass, e, weight);
+    t->next.flights[t->next.count++] = *flight;
+    w->path = path;
+    w->bounce = w->crossings = w->specular = 0;
+    w->direct = 1;
+}
+
+/* The same where something disperses. */
+static void start_dispersed(task *t, const cpm_emitter *e, uint32_t path, float weight, cpm_flight *flight,
+                            double *emitted) {
+    float own[CPM_MAX_BINS];
+    if (!crowd_reserve(&t->next, 1, t->together)) {
+        t->failed = 1;
+        return;
+    }
+    t->code->power(&weight, 1, cpm_emit_spectrum(t->pass, e, flight, own), t->next.bins,
+                   &t->next.powers[t->next.count * t->next.bins], emitted);
+    if (t->pass->disperses[cpm_region_medium(&flight->region)] && !t->together)
+        start_apart(t, path, flight);
+    else
+        start(t, e, path, weight, flight);
+}
+
 /* Paths that one emitter starts, at most a block. */
 static void emit_block(task *t, const cpm_emitter *e, uint64_t path, size_t count) {
     const size_t bins = t->pass->bins;
-    const int apart = (t->pass->features & CPM_FEATURE_DISPERSION) && !t->together;
+    const int disperses = (t->pass->features & CPM_FEATURE_DISPERSION) != 0;
     cpm_flight *flights = t->block.emission.flights;
     const float *weights = t->block.emission.weights;
     const uint32_t *paths = t->block.emission.paths;
@@ -331,26 +358,13 @@ static void emit_block(task *t, const cpm_emitter *e, uint64_t path, size_t coun
                      t->block.emission.weights);
     t->emitted += count;
     if (!crowd_reserve(&t->next, count, t->together)) t->failed = 1;
-    if (!apart && !t->failed)
+    if (!disperses && !t->failed)
         t->code->power(weights, count, e->weight, bins, &t->next.powers[t->next.count * bins], emitted);
     for (size_t i = 0; i < count && !t->failed; i++) {
-        if (apart) {
-            if (!crowd_reserve(&t->next, 1, t->together))
-                t->failed = 1;
-            else
-                t->code->power(&weights[i], 1, e->weight, bins, &t->next.powers[t->next.count * bins], emitted);
-            if (t->failed) return;
-            if (t->pass->disperses[cpm_region_medium(&flights[i].region)]) {
-                start_apart(t, paths[i], &flights[i]);
-                continue;
-            }
-        }
-        walker *w = &t->next.walkers[t->next.count];
-        if (t->together) t->next.leeways[t->next.count] = cpm_emitter_leeway(t->pass, e, weights[i]);
-        t->next.flights[t->next.count++] = flights[i];
-        w->path = paths[i];
-        w->bounce = w->crossings = w->specular = 0;
-        w->direct = 1;
+        if (disperses)
+            start_dispersed(t, e, paths[i], weights[i], &flights[i], emitted);
+        else
+            start(t, e, paths[i], weights[i], &flights[i]);
     }
 }
 
