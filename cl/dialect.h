@@ -477,6 +477,7 @@ CPM_INLINE void store3_doubles(real3 v, double (*p)[8], int part) {
 typedef float8 wide;
 typedef int8 wide_mask;
 #define wide_load(from) vload8(0, from)
+#define wide_any(from) vload8(0, from)
 #define wide_store(v, to) vstore8(v, 0, to)
 #define wide_all(x) ((float8)(x))
 #define wide_min(a, b) select(b, a, (a) < (b))
@@ -490,6 +491,17 @@ CPM_INLINE cpm_u32 wide_bits(wide_mask mask) {
     return (cpm_u32)(two.x | two.y);
 }
 #define cpm_lowest_bit(bits) (31 - (int)clz((bits) & -(bits)))
+CPM_INLINE cpm_i32 wide_sum(wide_mask v) {
+    int4 four = v.lo + v.hi;
+    int2 two = four.lo + four.hi;
+    return two.x + two.y;
+}
+typedef double8 wide_doubles;
+#define wide_zeros() ((double8)(0.0))
+#define wide_gathered(from) vload8(0, from)
+#define wide_halves(from) convert_double8(vload_half8(0, (CPM_GLOBAL const half *)(from)))
+#define wide_keep(v, to) vstore8(v, 0, to)
+#define cpm_root_float(x) sqrt((float)(x))
 #else
 #if defined(__AVX2__)
 #include <immintrin.h>
@@ -499,6 +511,11 @@ typedef cpm_i32 wide_mask __attribute__((vector_size(32)));
 static inline wide wide_load(const float *from) { /* 32-byte aligned */
     wide v;
     memcpy(&v, __builtin_assume_aligned(from, 32), sizeof v);
+    return v;
+}
+static inline wide wide_any(const float *from) { /* aligned as floats are */
+    wide v;
+    memcpy(&v, from, sizeof v);
     return v;
 }
 static inline void wide_store(wide v, float *to) { memcpy(to, &v, sizeof v); }
@@ -541,5 +558,21 @@ static inline cpm_u32 wide_bits(wide_mask mask) {
 #endif
 }
 #define cpm_lowest_bit(bits) __builtin_ctz(bits)
+static inline cpm_i32 wide_sum(wide_mask v) {
+    cpm_i32 sum = 0;
+    for (int i = 0; i < 8; i++) sum += v[i];
+    return sum;
+}
+/* Eight doubles, and eight half floats as such: exact (shared/half.h). */
+typedef double wide_doubles __attribute__((vector_size(64)));
+#define wide_zeros() ((wide_doubles){0})
+static inline wide_doubles wide_gathered(const double *from) {
+    wide_doubles v;
+    memcpy(&v, from, sizeof v);
+    return v;
+}
+#define wide_halves(from) cpm_wide_halves(from)
+static inline void wide_keep(wide_doubles v, double *to) { memcpy(to, &v, sizeof v); }
+#define cpm_root_float(x) sqrtf(x)
 #endif
 #endif

@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cl/shared/bins.h"
 #include "follow.h"
 #include "photons_buffers.h"
 
@@ -141,7 +142,7 @@ static int take(const photon_pass *p, const cpm_photon *photons, const uint16_t 
                 cpm_store_part *parts) {
     const uint32_t place = (UINT32_C(1) << CPM_STAGED_POPULATION) - 1;
     for (size_t i = 0; i < count; i++) {
-        const size_t bins = photons[i].bin == CPM_ALL_BINS ? (size_t)p->sizes.bins : 1;
+        const size_t bins = cpm_photon_count(photons[i].bin, (uint32_t)p->sizes.bins);
         const uint16_t *from = &spectra[photons[i].spectrum & place];
         const uint32_t population = photons[i].spectrum >> CPM_STAGED_POPULATION;
         cpm_store_part *part = &parts[population];
