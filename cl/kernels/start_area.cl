@@ -39,11 +39,18 @@ __kernel void cpm_start_area(CPM_WORLD_PARAMETERS, CPM_NEXT_PARAMETERS, __global
             flight.region = world_region_at(&world, flight.position, cpm_v(up[0][i], up[1][i], up[2][i]));
             flight.left = primitive[i];
             const int medium = cpm_region_medium(&flight.region);
-            const double n = world_index(&world, medium, -1, flight.position);
-            const float carried = (float)((n > 0.0 ? n * n : 0.0) * power_factor);
+            const double middle = world_squared_index(&world, medium, -1, flight.position);
+            const float carried = (float)(middle * power_factor);
+            const uint path = (uint)(tally.next + (ulong)i);
             if (!(carried > 0.0f)) continue;
-            cpm_paths_start(&to, (uint)(tally.next + (ulong)i), &flight, carried, spectrum,
-                            world.places[medium].disperses, energy);
+            if (!world.places[medium].disperses)
+                cpm_paths_start(&to, path, &flight, carried, spectrum, energy);
+            else /* a surface emits n^2 L, with each bin's own n */
+                for (int b = 0; b < bins; b++)
+                    cpm_paths_start_bin(
+                        &to, path, &flight, b,
+                        carried * emit_own(spectrum[b], world_squared_index(&world, medium, b, flight.position), middle),
+                        energy);
             tally.emitted++;
         }
         tally.next += (ulong)now;

@@ -32,7 +32,10 @@ __kernel void cpm_start_delta(CPM_NEXT_PARAMETERS, __global const cpm_emitter_da
             const float carried = (float)power[i];
             if (!(carried > 0.0f)) continue;
             flight.direction = cpm_v(way[0][i], way[1][i], way[2][i]);
-            cpm_paths_start(&to, (uint)(tally.next + (ulong)i), &flight, carried, spectrum, apart, energy);
+            const uint path = (uint)(tally.next + (ulong)i);
+            if (!apart) cpm_paths_start(&to, path, &flight, carried, spectrum, energy);
+            for (int b = 0; apart && b < bins; b++)
+                cpm_paths_start_bin(&to, path, &flight, b, carried * spectrum[b], energy);
             tally.emitted++;
         }
         tally.next += (ulong)now;

@@ -6,10 +6,19 @@
 #ifndef CPM_SHARED_EYE_H
 #define CPM_SHARED_EYE_H
 #include "../types/eye.h"
+#include "bins.h"
 #include "shading.h"
 
-CPM_INLINE cpm_i32 eye_bins(const cpm_eye *eye, const cpm_flight *flight) { return flight->bin < 0 ? eye->is.bins : 1; }
-CPM_INLINE cpm_i32 eye_first_bin(const cpm_flight *flight) { return flight->bin < 0 ? 0 : flight->bin; }
+CPM_INLINE cpm_i32 eye_bins(const cpm_eye *eye, const cpm_flight *flight) {
+    return cpm_bins_count(flight->bin, eye->is.bins);
+}
+CPM_INLINE cpm_i32 eye_first_bin(const cpm_flight *flight) { return cpm_bins_first(flight->bin); }
+
+/* n where a branch has arrived, for one of its bins. Where bins go one way together though their medium disperses, which
+ * the host knows, each has its own. */
+#ifndef CPM_EYE_INDEX
+#define CPM_EYE_INDEX(w, flight, arrival, bin) ((arrival)->n)
+#endif
 
 #if CPM_WIDTH == 1 && !CPM_SINGLE
 /* Ray `sample` of a pixel; `bin`: -1, or one of a camera whose medium disperses. */
@@ -66,7 +75,8 @@ CPM_INLINE void eye_add(const cpm_world *w, const cpm_eye *eye, const cpm_flight
         &eye->reflectance[world_surface(w, a->hit.primitive)->material * eye->is.bins];
     for (cpm_i32 b = 0; b < count; b++)
         sum[first + b] += cpm_shade_diffuse(weights[b], reflectance[first + b], irradiance[first + b],
-                                            eye->squared_index[first + b], a->n);
+                                            eye->squared_index[first + b],
+                                            CPM_EYE_INDEX(w, flight, a, first + b));
 }
 
 #endif

@@ -35,7 +35,7 @@ CPM_INLINE void world_end_straight(const cpm_world *w, const cpm_flight *flight,
     const int hits = arrival->hit.primitive >= 0;
     arrival->status = CPM_ARRIVAL_HIT;
     arrival->direction = flight->direction;
-    arrival->n = w->index[medium * w->frame.bins + (flight->bin < 0 ? w->frame.middle : flight->bin)];
+    arrival->n = w->index[medium * w->frame.bins + cpm_bins_middle(flight->bin, w->frame.bins)];
     arrival->behind.count = 0;
     arrival->drift = arrival->error = arrival->evaluations = arrival->steps = arrival->rejected = 0.0;
     arrival->method = CPM_STEP_EXACT;

@@ -6,6 +6,7 @@
  * the radius that could be among the k nearest, so the guess changes the cost and never the result. */
 #ifndef CPM_SHARED_MAP_SEARCH_H
 #define CPM_SHARED_MAP_SEARCH_H
+#include "bins.h"
 #include "map_select.h"
 
 #define CPM_LARGEST_FLOAT 3.402823466e38f
@@ -183,13 +184,11 @@ CPM_INLINE void cpm_map_sum(const cpm_map_search *s, cpm_u32 count) {
         return;
     }
     for (cpm_u32 b = 0; b < bins; b++) s->sum[b] = 0.0;
-    for (cpm_u32 i = 0; i < count; i++) { /* one bin or all of them, as each photon says */
+    for (cpm_u32 i = 0; i < count; i++) { /* a run of bins or all of them, as each photon says */
         CPM_GLOBAL const cpm_photon *p = &s->map.photons[s->id[i]];
         CPM_GLOBAL const unsigned short *halves = s->map.spectra + p->spectrum;
-        if (p->bin != CPM_ALL_BINS)
-            s->sum[p->bin] += (double)cpm_half_to_float(*halves);
-        else
-            for (cpm_u32 b = 0; b < bins; b++) s->sum[b] += (double)cpm_half_to_float(halves[b]);
+        const cpm_u32 first = cpm_photon_first(p->bin), carried = cpm_photon_count(p->bin, bins);
+        for (cpm_u32 b = 0; b < carried; b++) s->sum[first + b] += (double)cpm_half_to_float(halves[b]);
     }
 }
 

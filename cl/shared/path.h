@@ -8,6 +8,7 @@
 #define CPM_SHARED_PATH_H
 #include "../types/flight.h"
 #include "../types/path.h"
+#include "bins.h"
 #include "settle.h"
 
 /* One item's segment. */
@@ -37,43 +38,48 @@ CPM_INLINE cpm_roulette_rows cpm_rows_of(CPM_GLOBAL double *energy, cpm_i32 bins
 /* Adds what a flight carries to a row of an item's energies. */
 CPM_INLINE void cpm_account(CPM_GLOBAL double *energy, cpm_i32 row, cpm_i32 bins, cpm_i32 bin,
                             CPM_GLOBAL const float *powers) {
-    CPM_GLOBAL double *to = energy + row * bins + (bin < 0 ? 0 : bin);
-    const cpm_i32 count = bin < 0 ? bins : 1;
+    CPM_GLOBAL double *to = energy + row * bins + cpm_bins_first(bin);
+    const cpm_i32 count = cpm_bins_count(bin, bins);
     for (cpm_i32 b = 0; b < count; b++) to[b] += (double)powers[b];
 }
 
 /* Roulette at a surface of `material`, with the random number `chance`. */
 CPM_INLINE void cpm_play(const cpm_surface_tables *s, cpm_i32 bins, cpm_i32 bin, cpm_i32 material,
                          CPM_GLOBAL const float *powers, double chance, CPM_GLOBAL float *after, cpm_powers *p) {
-    const cpm_i32 at = material * bins + (bin < 0 ? 0 : bin);
+    const cpm_i32 first = cpm_bins_first(bin), at = material * bins + first;
     p->before = powers;
     p->reflectance = s->reflectance + at;
     p->share = bin < 0 ? s->share + at : s->one;
     p->after = after;
     p->spectrum = 0;
-    p->first = (cpm_u32)(bin < 0 ? 0 : bin), p->bins = (cpm_u32)(bin < 0 ? bins : 1);
+    p->first = (cpm_u32)first, p->bins = (cpm_u32)cpm_bins_count(bin, bins);
     p->alive = chance < (double)(bin < 0 ? s->largest[material] : *p->reflectance);
 }
 
-/* A fresh path of this weight: whole, or each wavelength its own way where it starts in a medium that disperses. */
+/* A fresh path with all its bins. */
 CPM_INLINE void cpm_paths_start(cpm_paths *to, cpm_u32 path, cpm_flight *flight, float weight,
-                                CPM_GLOBAL const float *spectrum, int apart, CPM_GLOBAL double *energy) {
+                                CPM_GLOBAL const float *spectrum, CPM_GLOBAL double *energy) {
     CPM_GLOBAL double *emitted = energy + CPM_ROW_EMITTED * to->bins;
-    CPM_GLOBAL float *powers = to->powers;
     cpm_walker w;
     CPM_CLEAR(w);
     w.path = path, w.direct = 1;
     flight->bin = -1;
-    if (!apart) powers = cpm_paths_add(to, &w, flight);
+    CPM_GLOBAL float *powers = cpm_paths_add(to, &w, flight);
     for (cpm_i32 b = 0; b < to->bins; b++) {
-        const float power = weight * spectrum[b];
-        emitted[b] += (double)power;
-        if (!apart) {
-            powers[b] = power;
-            continue;
-        }
-        flight->bin = b;
-        if (power > 0.0f) *cpm_paths_add(to, &w, flight) = power;
+        powers[b] = weight * spectrum[b];
+        emitted[b] += (double)powers[b];
     }
+}
+
+/* One bin of a fresh path that starts in a medium that disperses: each wavelength its own way. */
+CPM_INLINE void cpm_paths_start_bin(cpm_paths *to, cpm_u32 path, cpm_flight *flight, cpm_i32 bin, float power,
+                                    CPM_GLOBAL double *energy) {
+    cpm_walker w;
+    energy[CPM_ROW_EMITTED * to->bins + bin] += (double)power;
+    if (!(power > 0.0f)) return;
+    CPM_CLEAR(w);
+    w.path = path, w.direct = 1;
+    flight->bin = bin;
+    *cpm_paths_add(to, &w, flight) = power;
 }
 #endif

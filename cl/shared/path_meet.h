@@ -46,7 +46,7 @@ CPM_INLINE void path_store(const cpm_meeting *m, const cpm_walker *w, cpm_i32 bi
     cpm_photon_pack(&m->photons[t->photons], cpm_sub(hit, m->origin), direction, normal,
                     (cpm_u32)cpm_population(w) << CPM_STAGED_POPULATION | (cpm_u32)t->halves, w->path, w->bounce, bin);
     p->spectrum = &m->spectra[t->halves];
-    p->dither = cpm_dither_start(w->path, w->bounce, bin < 0 ? CPM_ALL_BINS : (cpm_u32)bin);
+    p->dither = cpm_dither_start(w->path, w->bounce, cpm_bins_stored(bin));
     t->photons++;
     t->halves += (cpm_i32)p->bins;
 }

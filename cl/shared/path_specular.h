@@ -31,7 +31,7 @@ CPM_INLINE void path_meet_mirror(const cpm_meeting *m, cpm_walker w, const cpm_f
 /* One path, of one bin or all. */
 CPM_INLINE void path_pass(const cpm_meeting *m, cpm_walker w, const cpm_flight *f, const cpm_arrival *a,
                           CPM_GLOBAL const float *powers) {
-    const cpm_i32 bins = f->bin < 0 ? m->from->bins : 1;
+    const cpm_i32 bins = cpm_bins_count(f->bin, m->from->bins);
     cpm_passage passage;
     if (!world_pass_boundary(m->world, f, a, &passage)) {
         cpm_account(m->energy, CPM_ROW_ESCAPED, m->from->bins, f->bin, powers);

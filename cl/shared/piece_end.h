@@ -3,6 +3,7 @@
 #define CPM_SHARED_PIECE_END_H
 #include "../types/lanes.h"
 #include "behind.h"
+#include "bins.h"
 #include "curve.h"
 
 /* An arrival that has not arrived. */
@@ -16,7 +17,7 @@ CPM_INLINE void cpm_arrival_begin(const cpm_flight *flight, cpm_arrival *arrival
 
 /* Dispersion's factor for a flight in a medium. */
 CPM_INLINE double world_scale(const cpm_world *w, const cpm_flight *flight, cpm_i32 medium) {
-    return w->scale[medium * w->frame.bins + (flight->bin < 0 ? w->frame.middle : flight->bin)];
+    return w->scale[medium * w->frame.bins + cpm_bins_middle(flight->bin, w->frame.bins)];
 }
 
 /* A surface at the very place where one piece ends and the next begins may be missed by both, by rounding; so may one

@@ -31,10 +31,16 @@ CPM_INLINE double cpm_index_toward(const cpm_medium_data *m, CPM_GLOBAL const do
 
 /* n at a point of a medium of the scene, for a bin (-1: the bundle). */
 CPM_APART double world_index(const cpm_world *w, cpm_i32 medium, cpm_i32 bin, cpm_vec point) {
-    const cpm_i32 at = medium * w->frame.bins + (bin < 0 ? w->frame.middle : bin);
+    const cpm_i32 at = medium * w->frame.bins + cpm_bins_middle(bin, w->frame.bins);
     if (w->places[medium].way == CPM_STRAIGHT_WAY) return w->index[at];
     const cpm_medium_data m = w->media[medium];
     const double r[3] = {point.x, point.y, point.z};
     return cpm_index_at(&m, cpm_table_of(w->tables, medium), w->scale[at], r);
+}
+
+/* Its square; 0 where there is none. */
+CPM_INLINE double world_squared_index(const cpm_world *w, cpm_i32 medium, cpm_i32 bin, cpm_vec point) {
+    const double n = world_index(w, medium, bin, point);
+    return n > 0.0 ? n * n : 0.0;
 }
 #endif

@@ -23,7 +23,7 @@ typedef struct cpm_flight { /* where a ray starts */
     cpm_vec direction; /* unit */
     cpm_region region;
     cpm_i32 left;     /* primitive that it starts on, -1: none */
-    cpm_i32 bin;      /* its wavelength; -1: the bundle */
+    cpm_i32 bin;      /* its wavelength; -1: the bundle; or a run of bins (shared/bins.h) */
     cpm_i32 exact;    /* starts near an edge */
     cpm_i32 crossing; /* starts on a boundary that it has just passed: coincident surfaces still count */
 } cpm_flight;

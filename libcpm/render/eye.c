@@ -8,8 +8,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "backend/native/follow.h"
+#include "backend/native/bundles.h"
 #include "backend/native/host.h"
+
+static double index_of(const cpm_world *w, const cpm_flight *flight, const cpm_arrival *a, int32_t bin);
+#define CPM_EYE_INDEX(w, flight, arrival, bin) index_of(w, flight, arrival, bin)
 /* after the host's */
 #include "cl/shared/eye_branch.h"
 
@@ -20,6 +23,7 @@ typedef struct gaze { /* a tile's live branches */
     int32_t *pixels; /* in the tile */
     float *weights;  /* bins each */
     cpm_arrival *arrivals;
+    cpm_leeway *leeways; /* of their bins, a part of the pixel */
     size_t count, capacity;
 } gaze;
 
@@ -29,7 +33,10 @@ typedef struct viewer {
     const cpm_eye *eye;
     cpm_map_query *queries[CPM_POPULATIONS];
     double *irradiance, *sum; /* bins; tile x bins */
+    cpm_vec forward;
+    double pixel; /* radians of leeway in the picture's middle */
     gaze now, next;
+    cpm_bundles bundles;
     uint64_t rays, segments, gathers;
     double evaluations;
     int failed;
@@ -46,36 +53,72 @@ static int gaze_reserve(gaze *g, size_t bins, size_t more) {
     if (weights) g->weights = weights;
     void *arrivals = realloc(g->arrivals, capacity * sizeof *g->arrivals);
     if (arrivals) g->arrivals = arrivals;
-    if (!flights || !pixels || !weights || !arrivals) return 0;
+    void *leeways = realloc(g->leeways, capacity * sizeof *g->leeways);
+    if (leeways) g->leeways = leeways;
+    if (!flights || !pixels || !weights || !arrivals || !leeways) return 0;
     g->capacity = capacity;
     return 1;
 }
 
-static void gaze_free(gaze *g) { free(g->flights), free(g->pixels), free(g->weights), free(g->arrivals); }
+static void gaze_free(gaze *g) {
+    free(g->flights), free(g->pixels), free(g->weights), free(g->arrivals), free(g->leeways);
+}
 
-/* One branch, `i` of those that live now, has arrived. */
-static void see(viewer *v, size_t i, int32_t depth) {
+/* Bins that go one way in a medium that disperses have each their own n. */
+static double index_of(const cpm_world *w, const cpm_flight *flight, const cpm_arrival *a, int32_t bin) {
+    const int32_t medium = cpm_region_medium(&flight->region);
+    const int together = w->places[medium].disperses && cpm_bins_count(flight->bin, w->frame.bins) > 1;
+    return together ? world_index(w, medium, bin, a->hit.position) : a->n;
+}
+
+/* A branch that has arrived, of the pixel and with the leeway given. */
+typedef struct glance {
+    const cpm_flight *flight;
+    const cpm_arrival *arrival;
+    const float *weights;
+    int32_t pixel, depth;
+    cpm_leeway leeway;
+} glance;
+
+static void cross(const viewer *v, const cpm_flight *flight, const cpm_arrival *a, const float *weights, double angle,
+                  cpm_branches *to) {
+    if (!cpm_bundle_parts(v->pass, flight, a, angle)) {
+        eye_branch_boundary(&v->pass->world, v->eye, flight, a, weights, to);
+        return;
+    }
+    for (int upper = 0; upper < 2; upper++) {
+        cpm_flight half = *flight;
+        cpm_arrival at;
+        const size_t before = cpm_bundle_half(v->pass, flight, a, upper, &half, &at);
+        cross(v, &half, &at, &weights[before], angle, to);
+    }
+}
+
+static void see(viewer *v, const glance *g) {
     const cpm_world *w = &v->pass->world;
     const size_t bins = v->pass->bins;
-    const cpm_flight *flight = &v->now.flights[i];
-    const cpm_arrival *a = &v->now.arrivals[i];
-    const float *weights = &v->now.weights[i * bins];
-    const int32_t seen = eye_seen(w, v->eye, a), pixel = v->now.pixels[i];
-    v->segments++;
+    const cpm_arrival *a = g->arrival;
+    const int32_t seen = eye_seen(w, v->eye, a);
     v->evaluations += a->evaluations;
     if (seen == CPM_SEEN_DIFFUSE) {
         cpm_gather_seen(v->gather, w, v->queries, a, v->irradiance);
         v->gathers++;
     }
-    eye_add(w, v->eye, flight, a, seen, weights, v->irradiance, &v->sum[(size_t)pixel * bins]);
+    eye_add(w, v->eye, g->flight, a, seen, g->weights, v->irradiance, &v->sum[(size_t)g->pixel * bins]);
     if (seen < CPM_SEEN_MIRROR) return;
     if (!gaze_reserve(&v->next, bins, 2 * bins)) {
         v->failed = 1;
         return;
     }
     cpm_branches to = {&v->next.flights[v->next.count], &v->next.weights[v->next.count * bins], 0};
-    eye_branches(w, v->eye, flight, a, seen, weights, depth, &to);
-    for (int32_t k = 0; k < to.count; k++) v->next.pixels[v->next.count++] = pixel;
+    if (seen == CPM_SEEN_MIRROR)
+        eye_branches(w, v->eye, g->flight, a, seen, g->weights, g->depth, &to);
+    else if (g->depth < CPM_EYE_DEPTH)
+        cross(v, g->flight, a, g->weights, g->leeway.angle, &to);
+    for (int32_t k = 0; k < to.count; k++, v->next.count++) {
+        v->next.pixels[v->next.count] = g->pixel;
+        v->next.leeways[v->next.count] = g->leeway;
+    }
 }
 
 /* Eye rays of a pixel: samples [first, end). */
@@ -92,21 +135,58 @@ static void look(viewer *v, int32_t column, int32_t row, int32_t pixel, int32_t 
             to->flights[to->count] =
                 eye_start(v->eye, row * v->eye->is.width + column, s, v->eye->is.splits ? bin : -1);
             to->pixels[to->count] = pixel;
+            /* a pixel off the middle is smaller */
+            const double cosine = cpm_vdot(to->flights[to->count].direction, v->forward);
+            to->leeways[to->count] = (cpm_leeway){0.0, v->pixel * cosine * cosine};
             for (int32_t b = 0; b < bins; b++) to->weights[to->count * (size_t)bins + (size_t)b] = 1.0f;
         }
     }
 }
 
+/* All live branches to their next surface, and what they see there. */
+static void follow_now(viewer *v, int32_t depth) {
+    const gaze *now = &v->now;
+    cpm_follow(v->pass, now->flights, now->count, NULL, now->arrivals);
+    v->segments += now->count;
+    for (size_t i = 0; i < now->count && !v->failed && !cpm_poll(v->pass->context); i++) {
+        const glance g = {&now->flights[i], &now->arrivals[i], &now->weights[i * v->pass->bins], now->pixels[i], depth,
+                          now->leeways[i]};
+        see(v, &g);
+    }
+}
+
+/* The same where bins of one ray may stay together in a medium that disperses. */
+static void follow_now_in_bundles(viewer *v, int32_t depth) {
+    const gaze *now = &v->now;
+    cpm_bundles *b = &v->bundles;
+    if (!cpm_follow_bundles(b, v->pass, CPM_BUNDLES_OF_EYE, now->flights, now->leeways, now->count)) {
+        v->failed = 1;
+        return;
+    }
+    v->segments += b->followed;
+    for (size_t i = 0; i < b->count && !v->failed && !cpm_poll(v->pass->context); i++) {
+        const cpm_parted *p = &b->parted[i];
+        cpm_flight flight = now->flights[p->from];
+        const size_t before = (size_t)(cpm_bins_first(p->bin) - cpm_bins_first(flight.bin));
+        const cpm_leeway leeway = cpm_leeway_after(&now->leeways[p->from], &flight, &p->arrival);
+        flight.bin = p->bin;
+        const glance g = {&flight, &p->arrival, &now->weights[p->from * v->pass->bins + before], now->pixels[p->from],
+                          depth, leeway};
+        see(v, &g);
+    }
+}
+
 /* The live branches to their ends: all of them to their next surface, then those that go on. */
 static void follow_branches(viewer *v) {
-    cpm_context *context = v->pass->context;
-    for (int32_t depth = 0; v->next.count && !v->failed && !cpm_poll(context); depth++) {
+    for (int32_t depth = 0; v->next.count && !v->failed && !cpm_poll(v->pass->context); depth++) {
         gaze swap = v->now;
         v->now = v->next;
         v->next = swap;
         v->next.count = 0;
-        cpm_follow(v->pass, v->now.flights, v->now.count, NULL, v->now.arrivals);
-        for (size_t i = 0; i < v->now.count && !v->failed && !cpm_poll(context); i++) see(v, i, depth);
+        if (cpm_pass_bundles(v->pass))
+            follow_now_in_bundles(v, depth);
+        else
+            follow_now(v, depth);
     }
 }
 
@@ -135,7 +215,13 @@ static cpm_status paint(const cpm_pass *pass, const cpm_gather *gather, const cp
     cpm_context *context = pass->context;
     const size_t bins = pass->bins;
     const int32_t across = (image->width + TILE - 1) / TILE, tiles = across * ((image->height + TILE - 1) / TILE);
-    const viewer model = {.pass = pass, .gather = gather, .eye = eye};
+    const double *forward = eye->is.forward, *right = eye->is.right;
+    const viewer model = {.pass = pass,
+                          .gather = gather,
+                          .eye = eye,
+                          .forward = cpm_v(forward[0], forward[1], forward[2]),
+                          .pixel = pass->bundle_tolerance * 2.0 * cpm_norm(cpm_v(right[0], right[1], right[2])) /
+                                   image->width};
     int failed = 0, done = 0;
     double *evaluations = calloc((size_t)tiles, sizeof *evaluations);
     if (!evaluations) return cpm_fail(context, CPM_ERROR_OUT_OF_MEMORY, "no memory for the eye pass");
@@ -157,7 +243,7 @@ static cpm_status paint(const cpm_pass *pass, const cpm_gather *gather, const cp
         }
         if (omp_get_thread_num() == 0) cpm_wait(context, &done, tiles);
         cpm_gather_queries_free(v.queries);
-        gaze_free(&v.now), gaze_free(&v.next);
+        gaze_free(&v.now), gaze_free(&v.next), cpm_bundles_free(&v.bundles);
         free(v.irradiance), free(v.sum);
 #pragma omp critical(cpm_collect)
         {

@@ -33,7 +33,7 @@ cpm_status cpm_eye_begin(const cpm_pass *pass, const cpm_gather *gather, uint64_
                   origin = cpm_v(is->origin[0], is->origin[1], is->origin[2]);
     is->region = cpm_region_at(pass, origin, forward);
     const int32_t medium = cpm_region_medium(&is->region);
-    is->splits = pass->disperses[medium];
+    is->splits = pass->disperses[medium] && !cpm_pass_bundles(pass);
     tables->shape_light = NULL;
     for (size_t b = 0; b < pass->bins; b++) {
         const double n = cpm_pass_index(pass, medium, (int32_t)b, origin);

@@ -88,7 +88,8 @@ class Photons:
     def energy(self) -> dict[str, _Doubles]: ...
     def stats(self) -> dict[str, Any]: ...
 
-def trace_photons(*, scene: Scene, photons: int, seed: int, wavelengths: _Doubles, projection: bool, batch: int,
+def trace_photons(*, scene: Scene, photons: int, seed: int, wavelengths: _Doubles, projection: bool,
+                  bundle_tolerance: float, batch: int,
                   threads: int, device: int, progress: _Report) -> Photons: ...
 
 class Image:
@@ -102,4 +103,5 @@ class Image:
 
 def render(*, scene: Scene, photon_map: Photons | None, width: int, height: int, photons: int, seed: int,
            wavelengths: _Doubles, nearest: int, samples: int, max_radius: float, projection: bool,
-           edge_correction: bool, batch: int, threads: int, device: int, progress: _Report) -> Image: ...
+           edge_correction: bool, bundle_tolerance: float, batch: int, threads: int, device: int,
+           progress: _Report) -> Image: ...

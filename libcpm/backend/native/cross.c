@@ -13,10 +13,6 @@ void cpm_look_behind(const cpm_pass *pass, const cpm_flight *flight, cpm_arrival
     world_look_behind(&pass->world, flight, arrival);
 }
 
-int cpm_splits(const cpm_pass *pass, const cpm_flight *flight, const cpm_arrival *arrival) {
-    return world_splits(&pass->world, flight, arrival);
-}
-
 int cpm_pass_boundary(const cpm_pass *pass, const cpm_flight *flight, const cpm_arrival *arrival,
                       cpm_passage *passage) {
     return world_pass_boundary(&pass->world, flight, arrival, passage);

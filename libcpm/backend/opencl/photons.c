@@ -7,12 +7,16 @@
 #include "photons.h"
 
 #ifdef CPM_OPENCL_HEADERS_VERSION
-#include <omp.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "cl/shared/bins.h"
 #include "follow.h"
 #include "photons_buffers.h"
+
+typedef struct cpm_stored {
+    cl_int photons;
+} cpm_stored;
 
 typedef struct photon_pass {
     const cpm_pass *pass;
@@ -29,7 +33,8 @@ typedef struct photon_pass {
     uint64_t seed;
     cpm_vec origin;
     cpm_store *stores;
-    cpm_store_part *parts; /* populations x threads */
+    cpm_store_part parts[CPM_POPULATIONS];
+    cpm_stored *stored; /* by each item, between the last two looks */
 } photon_pass;
 
 /* ------------------------------------------------------------------------------------------------ one wave */
@@ -66,7 +71,7 @@ static cl_int give_now(const photon_pass *p, cl_kernel kernel, cl_uint *next) {
                 OF(b->add));
 }
 
-static cl_int meet(const photon_pass *p) {
+static cl_int meet(const photon_pass *p, int stage) {
     const cpm_photon_buffers *b = &p->buffers;
     const cl_ulong seed = p->seed;
     cl_uint next = CPM_WORLD_BUFFERS;
@@ -75,7 +80,7 @@ static cl_int meet(const photon_pass *p) {
     if (code == CL_SUCCESS) code = give_next(p, kernel, &next);
     if (code == CL_SUCCESS) code = give_now(p, kernel, &next);
     if (code == CL_SUCCESS)
-        code = GIVE(kernel, &next, OF(b->photons), OF(b->spectra), OF(p->sizes.stage), OF(p->sizes.halves), OF(seed),
+        code = GIVE(kernel, &next, OF(b->photons[stage]), OF(b->spectra[stage]), OF(p->sizes.stage), OF(p->sizes.halves), OF(seed),
                     OF(p->origin.x), OF(p->origin.y), OF(p->origin.z));
     if (code == CL_SUCCESS) code = cpm_opencl_run(p->opencl, kernel, p->sizes.items);
     if (code != CL_SUCCESS || !p->kernels.specular) return code;
@@ -120,11 +125,11 @@ static cl_int start_paths(const photon_pass *p) {
     return code;
 }
 
-static cl_int wave(photon_pass *p) {
+static cl_int wave(photon_pass *p, int stage) {
     const cpm_photon_side *side = &p->buffers.side[p->buffers.now];
     cl_int code = cpm_opencl_follow(&p->plan, side->flights, p->buffers.arrivals, side->counts, p->sizes.items,
                                     p->sizes.stride);
-    if (code == CL_SUCCESS) code = meet(p);
+    if (code == CL_SUCCESS) code = meet(p, stage);
     if (code == CL_SUCCESS) code = start_paths(p);
     p->buffers.now = 1 - p->buffers.now;
     return code;
@@ -137,10 +142,10 @@ static int take(const photon_pass *p, const cpm_photon *photons, const uint16_t 
                 cpm_store_part *parts) {
     const uint32_t place = (UINT32_C(1) << CPM_STAGED_POPULATION) - 1;
     for (size_t i = 0; i < count; i++) {
-        const size_t bins = photons[i].bin == CPM_ALL_BINS ? (size_t)p->sizes.bins : 1;
+        const size_t bins = cpm_photon_count(photons[i].bin, (uint32_t)p->sizes.bins);
         const uint16_t *from = &spectra[photons[i].spectrum & place];
         const uint32_t population = photons[i].spectrum >> CPM_STAGED_POPULATION;
-        cpm_store_part *part = &parts[population * (uint32_t)p->pass->context->threads];
+        cpm_store_part *part = &parts[population];
         uint32_t index;
         cpm_photon *to = cpm_store_place(part, bins, &index);
         if (!to) return 0;
@@ -151,48 +156,52 @@ static int take(const photon_pass *p, const cpm_photon *photons, const uint16_t 
     return 1;
 }
 
-/* All items' photons; *full: no room. */
-static cl_int drain(photon_pass *p, uint64_t *bytes, int *full) {
+/* What was stored in a stage, where the host sees it. */
+typedef struct staged {
+    const cpm_photon *photons;
+    const uint16_t *spectra;
+} staged;
+
+static cl_int see(const photon_pass *p, int stage, staged *seen) {
     const cpm_opencl *o = p->opencl;
     const cpm_photon_sizes *s = &p->sizes;
-    cl_int code = CL_SUCCESS, spectra_code = CL_SUCCESS;
-    const cpm_photon *photons = o->cl->EnqueueMapBuffer(o->queue, p->buffers.photons, CL_TRUE, CL_MAP_READ, 0,
-                                                        s->items * (size_t)s->stage * sizeof *photons, 0, NULL, NULL,
-                                                        &code);
-    const uint16_t *spectra =
-        code == CL_SUCCESS
-            ? o->cl->EnqueueMapBuffer(o->queue, p->buffers.spectra, CL_TRUE, CL_MAP_READ, 0,
-                                      s->items * (size_t)s->halves * sizeof *spectra, 0, NULL, NULL, &spectra_code)
-            : NULL;
-    if (code == CL_SUCCESS && spectra_code == CL_SUCCESS) {
-        int room = 1;
-#pragma omp parallel for schedule(dynamic, 1) num_threads(p->pass->context->threads) reduction(&& : room)
-        for (size_t i = 0; i < s->items; i++)
-            room = take(p, photons + i * (size_t)s->stage, spectra + i * (size_t)s->halves,
-                        (size_t)p->tallies[i].photons, &p->parts[omp_get_thread_num()]) &&
-                   room;
-        *full = !room;
-        for (size_t i = 0; i < s->items; i++) {
-            *bytes += (uint64_t)p->tallies[i].photons * sizeof *photons + (uint64_t)p->tallies[i].halves * 2;
-            p->tallies[i].photons = p->tallies[i].halves = 0;
-        }
-    }
-    if (spectra && spectra_code == CL_SUCCESS)
-        code = o->cl->EnqueueUnmapMemObject(o->queue, p->buffers.spectra, (void *)(uintptr_t)spectra, 0, NULL, NULL);
-    if (photons) {
-        const cl_int back =
-            o->cl->EnqueueUnmapMemObject(o->queue, p->buffers.photons, (void *)(uintptr_t)photons, 0, NULL, NULL);
-        if (code == CL_SUCCESS) code = back;
-    }
-    if (code == CL_SUCCESS) code = spectra_code;
+    cl_int code = CL_SUCCESS;
+    seen->spectra = NULL;
+    seen->photons = o->cl->EnqueueMapBuffer(o->queue, p->buffers.photons[stage], CL_TRUE, CL_MAP_READ, 0,
+                                            s->items * (size_t)s->stage * sizeof *seen->photons, 0, NULL, NULL, &code);
+    if (code != CL_SUCCESS) seen->photons = NULL;
     if (code == CL_SUCCESS)
-        code = o->cl->EnqueueWriteBuffer(o->queue, p->buffers.tallies, CL_FALSE, 0, s->items * sizeof *p->tallies,
-                                         p->tallies, 0, NULL, NULL);
+        seen->spectra = o->cl->EnqueueMapBuffer(o->queue, p->buffers.spectra[stage], CL_TRUE, CL_MAP_READ, 0,
+                                                s->items * (size_t)s->halves * sizeof *seen->spectra, 0, NULL, NULL,
+                                                &code);
+    if (code != CL_SUCCESS) seen->spectra = NULL;
     return code;
 }
 
-/* Waits; *left: flights and paths that are still to come. */
-static cl_int look(photon_pass *p, uint64_t *left, uint64_t *stored) {
+static cl_int unsee(const photon_pass *p, int stage, const staged *seen) {
+    const cpm_opencl *o = p->opencl;
+    cl_int code = CL_SUCCESS, other = CL_SUCCESS;
+    if (seen->photons)
+        code = o->cl->EnqueueUnmapMemObject(o->queue, p->buffers.photons[stage], (void *)(uintptr_t)seen->photons, 0,
+                                            NULL, NULL);
+    if (seen->spectra)
+        other = o->cl->EnqueueUnmapMemObject(o->queue, p->buffers.spectra[stage], (void *)(uintptr_t)seen->spectra, 0,
+                                             NULL, NULL);
+    return code == CL_SUCCESS ? other : code;
+}
+
+/* All items' photons, `stored` of them, into the stores. 0: no room. */
+static int drain(photon_pass *p, const staged *seen, const cpm_stored *stored) {
+    const cpm_photon_sizes *s = &p->sizes;
+    for (size_t i = 0; i < s->items; i++)
+        if (!take(p, seen->photons + i * (size_t)s->stage, seen->spectra + i * (size_t)s->halves,
+                  (size_t)stored[i].photons, p->parts))
+            return 0;
+    return 1;
+}
+
+/* Waits for the waves; *left: flights and paths that are still to come, *bytes: of what was stored. */
+static cl_int look(photon_pass *p, uint64_t *left, uint64_t *bytes) {
     const cpm_opencl *o = p->opencl;
     const size_t items = p->sizes.items;
     cl_int code = o->cl->EnqueueReadBuffer(o->queue, p->buffers.tallies, CL_FALSE, 0, items * sizeof *p->tallies,
@@ -203,12 +212,22 @@ static cl_int look(photon_pass *p, uint64_t *left, uint64_t *stored) {
     int shining = 0; /* or dark lights keep some path numbers */
     for (size_t i = 0; i < p->emitter_count && code == CL_SUCCESS; i++)
         shining |= p->emitters[i].count && is_wanted(p, &p->emitters[i]);
-    *left = *stored = 0;
+    *left = 0;
     for (size_t i = 0; i < items && code == CL_SUCCESS; i++) {
         *left += (uint64_t)p->counts[i] + (shining ? p->tallies[i].end - p->tallies[i].next : 0);
-        *stored += (uint64_t)p->tallies[i].photons;
+        *bytes += (uint64_t)p->tallies[i].photons * sizeof(cpm_photon) + (uint64_t)p->tallies[i].halves * 2;
+        p->stored[i].photons = p->tallies[i].photons;
+        p->tallies[i].photons = p->tallies[i].halves = 0;
     }
     return code;
+}
+
+/* Some waves, which store into `stage`; does not wait. */
+static cl_int start_waves(photon_pass *p, int stage) {
+    const cpm_opencl *o = p->opencl;
+    cl_int code = CL_SUCCESS;
+    for (int i = 0; i < CPM_WAVES && code == CL_SUCCESS; i++) code = wave(p, stage);
+    return code == CL_SUCCESS ? o->cl->Flush(o->queue) : code;
 }
 
 static cpm_status collect(photon_pass *p, double *energy, cpm_stats *stats) {
@@ -232,29 +251,38 @@ static cpm_status collect(photon_pass *p, double *energy, cpm_stats *stats) {
 
 /* ------------------------------------------------------------------------------------------------------- the pass */
 
+/* The device goes on into the other stage while the host takes what is in one. */
 static cpm_status waves(photon_pass *p, uint64_t photons, uint64_t most) {
     cpm_context *context = p->pass->context;
-    uint64_t bytes = 0, left = photons, stored = 0;
+    uint64_t bytes = 0, left = photons;
+    int room = 1, cancelled = 0, stage = 0;
     cl_int code = start_paths(p);
     p->buffers.now = 1;
-    while (code == CL_SUCCESS && left) {
-        int full = 0;
-        for (int i = 0; i < CPM_WAVES && code == CL_SUCCESS; i++) code = wave(p);
-        if (code == CL_SUCCESS) code = look(p, &left, &stored);
-        if (code == CL_SUCCESS && stored) code = drain(p, &bytes, &full);
-        if (code != CL_SUCCESS) break;
-        if (bytes > most) return cpm_stores_too_full(context, photons, most);
-        if (full)
-            return cpm_fail(context, CPM_ERROR_OUT_OF_MEMORY, "no memory to store the photons of %llu paths",
-                            (unsigned long long)photons);
+    if (code == CL_SUCCESS && left) code = start_waves(p, stage);
+    while (code == CL_SUCCESS && left && room && !cancelled && bytes <= most) {
+        staged seen = {NULL, NULL};
+        code = look(p, &left, &bytes);
+        if (code == CL_SUCCESS) code = see(p, stage, &seen);
+        if (code == CL_SUCCESS && left) /* what they have stored counts from 0 again */
+            code = p->opencl->cl->EnqueueWriteBuffer(p->opencl->queue, p->buffers.tallies, CL_FALSE, 0,
+                                                     p->sizes.items * sizeof *p->tallies, p->tallies, 0, NULL, NULL);
+        if (code == CL_SUCCESS && left) code = start_waves(p, 1 - stage);
+        if (code == CL_SUCCESS) room = drain(p, &seen, p->stored);
+        const cl_int back = unsee(p, stage, &seen);
+        if (code == CL_SUCCESS) code = back;
+        stage = 1 - stage;
         const uint64_t waiting = left < photons ? left : photons;
-        if (cpm_progress(context, "trace", 1.0 - (double)waiting / (double)photons))
-            return cpm_fail(context, CPM_ERROR_CANCELLED, "cancelled while tracing photons");
+        cancelled = cpm_progress(context, "trace", 1.0 - (double)waiting / (double)photons);
     }
-    return code == CL_SUCCESS ? CPM_OK : cpm_opencl_failed(context, p->opencl, "tracing photons", code);
+    if (code != CL_SUCCESS) return cpm_opencl_failed(context, p->opencl, "tracing photons", code);
+    if (bytes > most) return cpm_stores_too_full(context, photons, most);
+    if (!room)
+        return cpm_fail(context, CPM_ERROR_OUT_OF_MEMORY, "no memory to store the photons of %llu paths",
+                        (unsigned long long)photons);
+    return cancelled ? cpm_fail(context, CPM_ERROR_CANCELLED, "cancelled while tracing photons") : CPM_OK;
 }
 
-static cpm_status begin(photon_pass *p, uint64_t photons, int32_t batch, int32_t threads, uint64_t *most) {
+static cpm_status begin(photon_pass *p, uint64_t photons, int32_t batch, uint64_t *most) {
     cpm_context *context = p->pass->context;
     cpm_status status = cpm_opencl_world_open(p->pass, &p->world);
     if (!status) status = cpm_opencl_follow_open(&p->world, &p->plan);
@@ -263,16 +291,16 @@ static cpm_status begin(photon_pass *p, uint64_t photons, int32_t batch, int32_t
     if (status) return status;
     p->tallies = calloc(p->sizes.items, sizeof *p->tallies);
     p->counts = calloc(p->sizes.items, sizeof *p->counts);
-    p->parts = calloc((size_t)threads * CPM_POPULATIONS, sizeof *p->parts);
-    *most = cpm_stores_open(threads, p->stores);
-    if (!p->tallies || !p->counts || !p->parts || !*most)
+    p->stored = calloc(p->sizes.items, sizeof *p->stored);
+    *most = cpm_stores_open(1, p->stores);
+    if (!p->tallies || !p->counts || !p->stored || !*most)
         return cpm_fail(context, CPM_ERROR_OUT_OF_MEMORY, "no memory to store the photons of %llu paths",
                         (unsigned long long)photons);
     for (size_t i = 0; i < p->sizes.items; i++) {
         p->tallies[i].next = photons / p->sizes.items * i + photons % p->sizes.items * i / p->sizes.items;
         p->tallies[i].end = photons / p->sizes.items * (i + 1) + photons % p->sizes.items * (i + 1) / p->sizes.items;
     }
-    for (int32_t i = 0; i < threads * CPM_POPULATIONS; i++) p->parts[i].store = &p->stores[i / threads];
+    for (int k = 0; k < CPM_POPULATIONS; k++) p->parts[k].store = &p->stores[k];
     return cpm_photon_buffers_open(p->pass, p->emitters, p->emitter_count, &p->sizes, p->tallies, &p->buffers);
 }
 
@@ -280,7 +308,6 @@ cpm_status cpm_opencl_photons(const cpm_pass *pass, const cpm_emitter *emitters,
                               uint64_t seed, int32_t batch, cpm_vec origin, cpm_store stores[CPM_POPULATIONS],
                               double *energy, cpm_stats *stats) {
     cpm_context *context = pass->context;
-    const int32_t threads = context->threads;
     photon_pass p = {.pass = pass,
                      .opencl = context->opencl,
                      .emitters = emitters,
@@ -290,17 +317,17 @@ cpm_status cpm_opencl_photons(const cpm_pass *pass, const cpm_emitter *emitters,
                      .stores = stores};
     uint64_t most = 0;
     cpm_opencl_lock(p.opencl);
-    cpm_status status = begin(&p, photons, batch, threads, &most);
+    cpm_status status = begin(&p, photons, batch, &most);
     if (!status) status = waves(&p, photons, most);
     if (!status) status = collect(&p, energy, stats);
     p.opencl->cl->Finish(p.opencl->queue);
     for (int k = 0; k < CPM_POPULATIONS && !status; k++)
-        cpm_store_close(&stores[k], &p.parts[k * threads], (size_t)threads);
+        cpm_store_close(&stores[k], &p.parts[k], 1);
     cpm_photon_buffers_close(p.opencl, &p.buffers);
     cpm_opencl_follow_close(&p.plan);
     cpm_opencl_world_close(&p.world);
     cpm_opencl_unlock(p.opencl);
-    free(p.tallies), free(p.counts), free(p.parts);
+    free(p.tallies), free(p.counts), free(p.stored);
     if (!status && cpm_progress(context, "trace", 1.0))
         status = cpm_fail(context, CPM_ERROR_CANCELLED, "cancelled while tracing photons");
     return status;

@@ -62,7 +62,7 @@ static uint64_t bytes_of(const cpm_photon_sizes *s, uint64_t *largest) {
     *largest = 0;
     for (size_t i = 0; i < sizeof each / sizeof *each; i++)
         if (each[i] > *largest) *largest = each[i];
-    return 2 * (powers + flights + slots * sizeof(cpm_walker)) + arrivals + photons + spectra;
+    return 2 * (powers + flights + slots * sizeof(cpm_walker)) + arrivals + 2 * (photons + spectra);
 }
 
 cpm_status cpm_photon_sizes_of(const cpm_pass *pass, uint64_t photons, int32_t batch, uint64_t taken,
@@ -162,8 +162,10 @@ cpm_status cpm_photon_buffers_open(const cpm_pass *pass, const cpm_emitter *emit
     }
     if (fine) {
         b->arrivals = made(&m, slots, sizeof(cpm_arrival), NULL);
-        b->photons = made(&m, s->items * (size_t)s->stage, sizeof(cpm_photon), NULL);
-        b->spectra = made(&m, s->items * (size_t)s->halves, sizeof(uint16_t), NULL);
+        for (int k = 0; k < 2; k++) {
+            b->photons[k] = made(&m, s->items * (size_t)s->stage, sizeof(cpm_photon), NULL);
+            b->spectra[k] = made(&m, s->items * (size_t)s->halves, sizeof(uint16_t), NULL);
+        }
         if (m.code == CL_SUCCESS)
             b->tallies =
                 cpm_opencl_buffer(m.opencl, CL_MEM_READ_WRITE, s->items * sizeof *tallies, tallies, &m.code);
@@ -182,9 +184,10 @@ cpm_status cpm_photon_buffers_open(const cpm_pass *pass, const cpm_emitter *emit
 void cpm_photon_buffers_close(const cpm_opencl *o, cpm_photon_buffers *b) {
     const cl_mem own[] = {b->side[0].flights, b->side[0].walkers, b->side[0].powers, b->side[0].counts,
                           b->side[1].flights, b->side[1].walkers, b->side[1].powers, b->side[1].counts,
-                          b->arrivals,        b->tallies,         b->energies,       b->photons,
-                          b->spectra,         b->reflectance,     b->shares,         b->largest,
-                          b->one,             b->multiply,        b->add};
+                          b->arrivals,        b->tallies,         b->energies,       b->photons[0],
+                          b->photons[1],      b->spectra[0],      b->spectra[1],     b->reflectance,
+                          b->shares,          b->largest,         b->one,            b->multiply,
+                          b->add};
     for (size_t i = 0; i < sizeof own / sizeof *own; i++)
         if (own[i]) o->cl->ReleaseMemObject(own[i]);
     for (size_t i = 0; i < b->emitter_count; i++) {

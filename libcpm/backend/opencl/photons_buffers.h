@@ -32,7 +32,8 @@ typedef struct cpm_emitter_buffers {
 typedef struct cpm_photon_buffers {
     cpm_photon_side side[2];
     int now; /* which side is followed */
-    cl_mem arrivals, tallies, energies, photons, spectra;
+    cl_mem arrivals, tallies, energies;
+    cl_mem photons[2], spectra[2]; /* two stages: one is filled while the host takes the other */
     cl_mem reflectance, shares, largest, one, multiply, add;
     cpm_emitter_buffers *emitters;
     size_t emitter_count;
