@@ -2,7 +2,7 @@
 """Write cold_sea/*.ply: the ships of superior_mirage.toml and the coast of fata_morgana.toml, one file per colour.
 
 All stand 20 km from the camera, which is over x = z = 0 and looks along −z; y is up. The sea is a sphere of radius
-6371 km that touches y = 0 at the camera, so that it is 31.4 m lower there. Silhouettes: flat, and in front of each other
+6371 km that touches y = 0 at the camera, so that it is 31.4 m lower there. Silhouettes: flat, in front of each other
 by half a metre.
 
     python make_cold_sea.py [cold_sea]

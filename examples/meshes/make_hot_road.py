@@ -117,9 +117,10 @@ def meshes():
         "lines": markings(),
         "far_hills": far,
         "near_hills": near,
-        # the car comes in the lane on the left, the lorry goes ahead in it further on; both show their fronts
-        "car": quads(box((1.1, 0.25, car - 4.3), (2.9, 0.85, car)), box((1.3, 0.85, car - 3.2), (2.7, 1.45, car - 1.0))),
-        "cab": quads(box((-3.2, 0.5, lorry - 2.0), (-0.8, 2.9, lorry)), ),
+        # both show their fronts
+        "car": quads(box((1.1, 0.25, car - 4.3), (2.9, 0.85, car)),
+                     box((1.3, 0.85, car - 3.2), (2.7, 1.45, car - 1.0))),
+        "cab": quads(box((-3.2, 0.5, lorry - 2.0), (-0.8, 2.9, lorry))),
         "trailer": quads(box((-3.25, 0.9, lorry - 12.0), (-0.75, 3.9, lorry - 2.2))),
         "dark": quads(wheels(2.0, 0.85, car - 1.2), wheels(-2.0, 1.15, lorry - 1.3),
                       upright(1.4, 2.6, 0.92, 1.38, car - 0.99), upright(-3.0, -1.0, 1.7, 2.6, lorry + 0.01),

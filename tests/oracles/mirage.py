@@ -4,10 +4,12 @@ Dry air near the ground under the standard atmosphere: T = 288.15 K − 6.5 K/km
 surface or an inversion; p from hydrostatics, p(0) = 101325 Pa; n from Ciddor, Appl. Opt. 35, 1566 (1996), appendices A
 and B, for 450 ppm of CO₂. Rays in the plane (x, y), over a flat Earth or a round one of radius R under x = 0:
 
-    dx/dσ = p_x,   dy/dσ = p_y,   dp/dσ = ½∇n²(h),   h = y, or (2 R y + x² + y²)/(R + |r|)                             (1)
+    dx/dσ = p_x,   dy/dσ = p_y,   dp/dσ = ½∇n²(h),   h = y, or (2 R y + x² + y²)/(R + |r|)             (1)
 """
 
 from __future__ import annotations
+
+from itertools import pairwise
 
 import numpy as np
 from scipy.integrate import quad, solve_ivp
@@ -15,7 +17,6 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
 GRAVITY, EARTH_OF_GRAVITY, GAS, MOLAR = 9.80665, 6356766.0, 8314.32, 28.9644
-STEP = 1e-3  # rad at most, between samples of a transfer curve
 
 
 def hot_surface(excess, thickness):
@@ -59,7 +60,7 @@ class Air:
         while knots[-1] < top:
             knots.append(knots[-1] + max(finest, 0.01 * knots[-1]))
         knots = np.array(knots)
-        pieces = [quad(self._rate, a, b, epsabs=0, epsrel=1e-12)[0] for a, b in zip(knots[:-1], knots[1:], strict=True)]
+        pieces = [quad(self._rate, a, b, epsabs=0, epsrel=1e-12)[0] for a, b in pairwise(knots)]
         self._log_p = CubicSpline(knots, np.log(101325.0) - np.concatenate([[0.0], np.cumsum(pieces)]))
         s = (1e3 / wavelength) ** 2
         standard = 1e-8 * (5792105 / (238.0185 - s) + 167917 / (57.362 - s))  # 15 °C, 101325 Pa, 450 ppm: eq. (1)
@@ -137,6 +138,38 @@ def follow(air, height, angle, distance, radius=None, ground=0.0):
     return (float(run.y_events[0][0][1]) if len(run.t_events[0]) else np.nan), low
 
 
+def curve(air, height, angles, distance, radius=None):
+    """Transfer curve: heights above the ground at `distance` that rays under `angles` (rad, (N,)) reach, NaN: landed.
+
+    All rays in one system over x (p_x never vanishes here), (1) divided by p_x. Air goes on under the ground, so that
+    rays that land may be followed and told by their lowest point afterwards: to 1e-3 m of height around a round Earth,
+    exactly (`vanishing`) over a flat one.
+    """
+    angles = np.asarray(angles, float)
+    count, n = angles.size, 1 + air(height)[0]
+
+    def local(x, y):
+        if radius is None:
+            return y, 0.0, 1.0
+        rho = np.hypot(x, radius + y)
+        return (2 * radius * y + x * x + y * y) / (radius + rho), x / rho, (radius + y) / rho
+
+    def slope(x, state):
+        y, px, py = state.reshape(3, count)
+        h, ux, uy = local(x, y)
+        n1, dn = air(h)
+        pull = (1 + n1) * dn / px
+        return np.concatenate([py / px, pull * ux, pull * uy])
+
+    start = np.concatenate([np.full(count, float(height)), n * np.cos(angles), n * np.sin(angles)])
+    run = solve_ivp(slope, (0, distance), start, "DOP853", rtol=1e-12, atol=1e-13, max_step=distance / 200)
+    assert run.success, run.message
+    y = run.y[:count]
+    h = local(run.t, y)[0]
+    landed = h.min(axis=1) < 0 if radius is not None else angles < vanishing(air, height)
+    return np.where(landed, np.nan, h[:, -1])
+
+
 def vanishing(air, height):
     """Angle above the horizontal (rad, negative) under which rays meet a flat ground: n(0) = n(height) cos."""
     ratio = (air(0.0)[0] - air(height)[0]) / (1 + air(height)[0])
@@ -149,19 +182,12 @@ def turning(air, height, angle):
     return brentq(lambda h: air(h)[0] - air(height)[0] + lost, 0.0, height, xtol=1e-15, rtol=1e-14)
 
 
-def images(air, height, angles, distance, seen, radius=None, tolerance=1e-9):
-    """Angles (rad) under which the height `seen` at `distance` appears, ascending: roots between the samples `angles`.
+def image(air, height, between, distance, seen, radius=None):
+    """Angle (rad) within `between` under which the height `seen` above y = 0 appears at `distance`, to 1e-10."""
+    return brentq(lambda angle: follow(air, height, angle, distance, radius)[0] - seen, *between, xtol=1e-10)
 
-    Rays that land count as coming from below everything.
-    """
 
-    def surplus(angle):
-        y = follow(air, height, angle, distance, radius)[0]
-        return -1e3 if np.isnan(y) else y - seen
-
-    values = [surplus(angle) for angle in angles]
-    found = []
-    for a, b, left, right in zip(angles[:-1], angles[1:], values[:-1], values[1:], strict=True):
-        if left * right < 0 and min(left, right) > -1e3:
-            found.append(brentq(surplus, a, b, xtol=tolerance))
-    return found
+def runs(marks):
+    """Number of unbroken runs of True."""
+    marks = np.concatenate([[False], marks, [False]]).astype(int)
+    return int(np.sum(np.diff(marks) == 1))
