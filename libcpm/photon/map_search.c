@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cl/shared/bins.h"
 #include "cl/shared/gather.h"
 #include "cl/shared/half.h"
 #include "tree.h"
@@ -194,16 +195,15 @@ static cpm_found nearest(cpm_query *query, const float *point, const float *norm
     return found;
 }
 
-/* Trees of split photons: one bin or all of them, as each photon says. */
+/* Trees of split photons: a run of bins or all of them, as each photon says. */
 static void sum_split(const cpm_query *query, uint32_t count) {
     const cpm_tree *tree = query->tree;
     for (uint32_t i = 0; i < count; i++) {
         const cpm_photon *p = &tree->photons[query->id[i]];
         const uint16_t *halves = tree->spectra + p->spectrum;
-        if (p->bin != CPM_ALL_BINS)
-            query->sum[p->bin] += (double)cpm_half_to_float(*halves);
-        else
-            for (size_t b = 0; b < tree->bins; b++) query->sum[b] += (double)cpm_half_to_float(halves[b]);
+        double *to = query->sum + cpm_photon_first(p->bin);
+        const size_t carried = cpm_photon_count(p->bin, (uint32_t)tree->bins);
+        for (size_t b = 0; b < carried; b++) to[b] += (double)cpm_half_to_float(halves[b]);
     }
 }
 

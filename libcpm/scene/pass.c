@@ -8,6 +8,7 @@
 #include "medium/method.h"
 
 #define NUDGE 1e-9 /* of the scene's size */
+#define MOST_TOLERANCE 100.0 /* of bundles, in pixels */
 
 cpm_status cpm_check_wavelengths(cpm_context *context, const double *wavelengths, size_t count) {
     if (!wavelengths || !count || count > CPM_MAX_BINS)
@@ -168,6 +169,15 @@ cpm_status cpm_pass_begin_with(cpm_context *context, cpm_scene *scene, const cpm
     return status;
 }
 
+cpm_status cpm_pass_take_bundles(cpm_pass *pass, double tolerance, int32_t nearest) {
+    if (!(tolerance >= 0.0 && tolerance <= MOST_TOLERANCE))
+        return cpm_fail(pass->context, CPM_ERROR_INVALID_ARGUMENT, "bundle_tolerance is %g; allowed: 0 to %g",
+                        tolerance, MOST_TOLERANCE);
+    pass->bundle_tolerance = tolerance;
+    pass->nearest = nearest;
+    return CPM_OK;
+}
+
 void cpm_pass_end(cpm_pass *pass) {
     free(pass->wavelengths), free(pass->reflectance), free(pass->reflectance_max), free(pass->scale);
     free(pass->index), free(pass->disperses), free(pass->way), free(pass->method), free(pass->emission);
@@ -175,7 +185,7 @@ void cpm_pass_end(cpm_pass *pass) {
 }
 
 double cpm_pass_index(const cpm_pass *pass, int32_t medium, int32_t bin, cpm_vec point) {
-    size_t at = (size_t)medium * pass->bins + (size_t)(bin < 0 ? pass->middle : bin);
+    size_t at = (size_t)medium * pass->bins + cpm_pass_bin(pass, bin);
     if (pass->way[medium] == CPM_WAY_STRAIGHT) return pass->index[at];
     return cpm_medium_n(pass->scene->media[medium].medium, pass->scale[at],
                         (const double[3]){point.x, point.y, point.z});

@@ -1,6 +1,7 @@
 /* scene/pass.h: a scene at given wavelengths: everything looked up once, before any ray runs. */
 #ifndef CPM_SCENE_PASS_H
 #define CPM_SCENE_PASS_H
+#include "cl/shared/bins.h"
 #include "scene.h"
 
 /* How rays run in a medium. */
@@ -28,6 +29,8 @@ typedef struct cpm_pass {
     cpm_vec center;  /* of the geometry: pieces that start far from it may be as long as that is far */
     double nudge;           /* metres: far below the geometry, far above rounding */
     int32_t bounded;        /* the extent is finite */
+    double bundle_tolerance; /* of a pixel, and of a photon's share of surface: how far bins may part and go one way */
+    int32_t nearest;         /* photons whose share that is */
     uint32_t features;
 } cpm_pass;
 
@@ -36,6 +39,8 @@ cpm_status cpm_pass_begin(cpm_context *context, cpm_scene *scene, const double *
 cpm_status cpm_pass_begin_with(cpm_context *context, cpm_scene *scene, const cpm_scene_options *options,
                                const double *wavelengths, size_t bins, cpm_pass *pass);
 void cpm_pass_end(cpm_pass *pass);
+/* A request's bundle_tolerance, and the photons of an estimate. */
+cpm_status cpm_pass_take_bundles(cpm_pass *pass, double tolerance, int32_t nearest);
 cpm_status cpm_check_wavelengths(cpm_context *context, const double *wavelengths, size_t count);
 
 /* The bounded media that contain a point, in order of addition: the last one is what is there. Entry 0 fills space. */
@@ -49,6 +54,16 @@ static inline int32_t cpm_region_medium(const cpm_region *region) { return regio
 int cpm_region_cross(cpm_region *region, int32_t medium, int entering);
 /* What contains a point; on a boundary, what `direction` enters. */
 cpm_region cpm_region_at(const cpm_pass *pass, cpm_vec point, cpm_vec direction);
+
+/* Bundles may stay together where a medium disperses (backend/native/bundles.h). */
+static inline int cpm_pass_bundles(const cpm_pass *pass) {
+    return pass->bundle_tolerance > 0.0 && (pass->features & CPM_FEATURE_DISPERSION);
+}
+
+/* The bin whose way a flight goes (cl/shared/bins.h). */
+static inline size_t cpm_pass_bin(const cpm_pass *pass, int32_t bin) {
+    return (size_t)cpm_bins_middle(bin, (int32_t)pass->bins);
+}
 
 /* n at a point of a medium, for a bin (-1: the bundle). */
 double cpm_pass_index(const cpm_pass *pass, int32_t medium, int32_t bin, cpm_vec point);

@@ -87,10 +87,6 @@ void cpm_look_behind(const cpm_pass *pass, const cpm_flight *flight, cpm_arrival
     }
 }
 
-int cpm_splits(const cpm_pass *pass, const cpm_flight *flight, const cpm_arrival *arrival) {
-    return flight->bin < 0 && arrival->behind.count && pass->disperses[cpm_region_medium(&arrival->behind)];
-}
-
 int cpm_pass_boundary(const cpm_pass *pass, const cpm_flight *flight, const cpm_arrival *arrival,
                       cpm_passage *passage) {
     cpm_vec geometric = cpm_geometric_normal(pass->scene, &arrival->hit);

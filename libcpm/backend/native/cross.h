@@ -24,9 +24,6 @@ int cpm_boundary_counts(const cpm_pass *pass, const cpm_region *region, int32_t 
  * is what was met. cpm_follow does this for every arrival. */
 void cpm_look_behind(const cpm_pass *pass, const cpm_flight *flight, cpm_arrival *arrival);
 
-/* Does a bundle part here, because the medium behind disperses? */
-int cpm_splits(const cpm_pass *pass, const cpm_flight *flight, const cpm_arrival *arrival);
-
 /* Both ways on from a boundary. Returns 0 where more than CPM_MAX_NESTED media would overlap. */
 int cpm_pass_boundary(const cpm_pass *pass, const cpm_flight *flight, const cpm_arrival *arrival, cpm_passage *passage);
 

@@ -56,7 +56,7 @@ static void end_straight(const cpm_pass *pass, const cpm_flight *flight, const c
     const int hits = arrival->hit.primitive >= 0;
     arrival->status = CPM_RAY_HIT;
     arrival->direction = flight->direction;
-    arrival->n = pass->index[(size_t)medium * pass->bins + (size_t)(flight->bin < 0 ? pass->middle : flight->bin)];
+    arrival->n = pass->index[(size_t)medium * pass->bins + cpm_pass_bin(pass, flight->bin)];
     arrival->behind.count = 0;
     arrival->drift = arrival->error = arrival->evaluations = arrival->steps = arrival->rejected = 0.0;
     arrival->method = CPM_METHOD_EXACT;

@@ -9,7 +9,7 @@ typedef struct cpm_flight { /* where a ray starts */
     cpm_vec direction; /* unit */
     cpm_region region;
     int32_t left;     /* primitive that it starts on, -1: none */
-    int32_t bin;      /* its wavelength; -1: the bundle */
+    int32_t bin;      /* its wavelength; -1: the bundle; or a run of bins (cl/shared/bins.h) */
     int32_t exact;    /* starts near an edge */
     int32_t crossing; /* starts on a boundary that it has just passed: coincident surfaces still count */
 } cpm_flight;

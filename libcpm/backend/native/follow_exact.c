@@ -73,7 +73,7 @@ void cpm_follow_exact(const cpm_pass *pass, const cpm_flight *flight, const cpm_
                       cpm_arrival *arrival) {
     int32_t m = cpm_region_medium(&flight->region);
     const cpm_medium *medium = pass->scene->media[m].medium;
-    double scale = pass->scale[(size_t)m * pass->bins + (size_t)(flight->bin < 0 ? pass->middle : flight->bin)];
+    double scale = pass->scale[(size_t)m * pass->bins + cpm_pass_bin(pass, flight->bin)];
     double r[3] = {flight->position.x, flight->position.y, flight->position.z};
     const double d[3] = {flight->direction.x, flight->direction.y, flight->direction.z};
     cpm_arrival_begin(flight, arrival);

@@ -34,8 +34,7 @@ static void load_lane(lane_queue *q, int lane, size_t which) {
     const cpm_flight *flight = &q->flights[which];
     const cpm_medium *medium = q->pass->scene->media[q->medium].medium;
     cpm_lane_rays *rays = &q->rays;
-    int32_t bin = flight->bin < 0 ? q->pass->middle : flight->bin;
-    double scale = q->pass->scale[(size_t)q->medium * q->pass->bins + (size_t)bin];
+    double scale = q->pass->scale[(size_t)q->medium * q->pass->bins + cpm_pass_bin(q->pass, flight->bin)];
     const double r[3] = {flight->position.x, flight->position.y, flight->position.z};
     const double d[3] = {flight->direction.x, flight->direction.y, flight->direction.z};
     double n = cpm_medium_n(medium, scale, r);

@@ -150,8 +150,7 @@ static void follow_parabolas(const cpm_pass *pass, const cpm_flight *flights, si
             cpm_follow_exact(pass, flight, NULL, i, &arrivals[i]);
             continue;
         }
-        const int32_t bin = flight->bin < 0 ? pass->middle : flight->bin;
-        const double scale = pass->scale[(size_t)medium * pass->bins + (size_t)bin];
+        const double scale = pass->scale[(size_t)medium * pass->bins + cpm_pass_bin(pass, flight->bin)];
         const double r[3] = {flight->position.x, flight->position.y, flight->position.z};
         const double d[3] = {flight->direction.x, flight->direction.y, flight->direction.z};
         double susceptibility = data->value;

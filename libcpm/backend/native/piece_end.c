@@ -128,8 +128,7 @@ static int never_returns(const cpm_pass *pass, int32_t medium, const double r[3]
 
 /* Refractivity may be scaled by a negative factor only where dispersion crosses 1; then nothing is cut short. */
 static int scale_is_positive(const cpm_pass *pass, const cpm_flight *flight, int32_t medium) {
-    int32_t bin = flight->bin < 0 ? pass->middle : flight->bin;
-    return pass->scale[(size_t)medium * pass->bins + (size_t)bin] > 0.0;
+    return pass->scale[(size_t)medium * pass->bins + cpm_pass_bin(pass, flight->bin)] > 0.0;
 }
 
 int cpm_has_left(const cpm_pass *pass, const cpm_flight *flight, int32_t medium, const cpm_follow_options *options,
