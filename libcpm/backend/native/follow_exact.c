@@ -124,5 +124,9 @@ void cpm_follow_exact(const cpm_pass *pass, const cpm_flight *flight, const cpm_
         length = piece.length1;
         arrival->hit.position = cpm_v(r[0], r[1], r[2]);
         arrival->length = length;
+        if (options && cpm_beyond(options, length)) {
+            arrival->status = CPM_RAY_LEFT;
+            return;
+        }
     }
 }
