@@ -255,6 +255,11 @@ CPM_INLINE void cpm_trace_range(const cpm_step_control *c, const cpm_medium_data
             cpm_piece piece;
             const int aimed = aware && length[i] < 0.0;
             double theta = CPM_NO_ROOT;
+            if (length[i] >= 0.0 && !arrays->samples && rays.status[i] < 0 && /* far from the goal: no piece is needed */
+                rays.length[i] + CPM_LANDING * (rays.length[i] - rays.length0[i]) < length[i]) {
+                if (aware) rays.limit[i] = longest[i] > 0.0 ? longest[i] / rays.n_start[i] : CPM_INFINITE;
+                continue;
+            }
             cpm_lanes_piece(&rays, i, &piece);
             if (rays.accepted[i]) theta = cpm_landing(&piece, plane, length[i], aimed);
             const int poor = aware && theta != CPM_NO_ROOT && cpm_dense_excess(c, &rays, i, theta) > 1.0;
