@@ -6,13 +6,17 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ._arrays import FloatArray
+from ._arrays import FloatArray, one_of
 from ._colour import colour_science
 
 #: lm/W at the peak of V(λ).
 MAXIMUM_EFFICACY = 683.0
 
-_OBSERVER = "CIE 1931 2 Degree Standard Observer"
+#: The default; whitepoints too are its.
+OBSERVER = "CIE 1931 2 Degree Standard Observer"
+
+#: What may become of colours that a display cannot show, by the names that users give.
+GAMUTS = ("clip", "desaturate", "keep")
 
 
 def bin_edges(wavelengths: FloatArray) -> FloatArray:
@@ -22,14 +26,14 @@ def bin_edges(wavelengths: FloatArray) -> FloatArray:
     return np.concatenate([[first], middles, [last]])
 
 
-def xyz_weights(wavelengths: FloatArray) -> FloatArray:
-    """Integrals of the CIE 1931 colour matching functions over the bins, nm, shape (bins, 3).
+def xyz_weights(wavelengths: FloatArray, observer: str = OBSERVER) -> FloatArray:
+    """Integrals of an observer's colour matching functions over the bins, nm, shape (bins, 3).
 
     One bin alone stands for a flat spectrum.
     """
-    observer = colour_science().MSDS_CMFS[_OBSERVER]
-    table = np.asarray(observer.values, dtype=float)
-    positions = np.asarray(observer.wavelengths, dtype=float)
+    functions = matching_functions(observer)
+    table = np.asarray(functions.values, dtype=float)
+    positions = np.asarray(functions.wavelengths, dtype=float)
     steps = 0.5 * (table[1:] + table[:-1]) * np.diff(positions)[:, None]
     integral = np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)])
     if len(wavelengths) == 1:
@@ -39,6 +43,15 @@ def xyz_weights(wavelengths: FloatArray) -> FloatArray:
     return np.diff(at_edges, axis=0)
 
 
+def matching_functions(observer: str) -> Any:
+    """An observer's x̄, ȳ, z̄ by its colour-science name."""
+    known = colour_science().MSDS_CMFS
+    if observer not in known:
+        raise ValueError(f"observer is {observer!r}; one of colour-science's is needed, such as {OBSERVER}, "
+                         "CIE 1964 10 Degree Standard Observer, CIE 2015 2 Degree Standard Observer")
+    return known[observer]
+
+
 def flat_luminance() -> float:
     """∫ȳ dλ, nm: the relative luminance of a flat spectrum of 1 per nm."""
     return float(xyz_weights(np.array([550.0]))[0, 1])
@@ -46,7 +59,7 @@ def flat_luminance() -> float:
 
 def whitepoint(name: str) -> FloatArray:
     """xy of an illuminant by its colour-science name."""
-    illuminants = colour_science().CCS_ILLUMINANTS[_OBSERVER]
+    illuminants = colour_science().CCS_ILLUMINANTS[OBSERVER]
     if name not in illuminants:
         raise ValueError(f"white is {name!r}; an illuminant such as D65, E or A is needed")
     return np.asarray(illuminants[name], dtype=float)
@@ -58,6 +71,31 @@ def linear_rgb(xyz: npt.NDArray[Any], colourspace: str, white: str | None) -> Fl
     source = space.whitepoint if white is None else whitepoint(white)
     rgb = colour_science().XYZ_to_RGB(xyz, space, source, "CAT02", apply_cctf_encoding=False)
     return np.asarray(rgb, dtype=float)
+
+
+def into_gamut(rgb: FloatArray, colourspace: str, gamut: str, highest: float = 1.0) -> FloatArray:
+    """Linear RGB brought into [0, highest] in the way that ``gamut`` names; NaN stays.
+
+    "desaturate" mixes each colour with the grey of its own luminance, as little as it takes: luminance stays and, in
+    linear RGB, so does the hue (the dominant wavelength). What is brighter than white becomes white.
+    """
+    if gamut == "keep":
+        return rgb
+    if gamut == "clip":
+        return np.clip(rgb, 0.0, highest)
+    luminance = np.asarray(_space(colourspace).matrix_RGB_to_XYZ, dtype=float)[1]
+    grey = np.clip(rgb @ luminance, 0.0, highest)[..., None]
+    away = rgb - grey
+    with np.errstate(divide="ignore", invalid="ignore"):
+        room = np.where(away > 0, (highest - grey) / away, -grey / away)
+    share = np.clip(np.where(away == 0, 1.0, room).min(axis=-1, keepdims=True), 0.0, 1.0)
+    with np.errstate(invalid="ignore"):
+        return np.clip(grey + share * away, 0.0, highest)  # rounding alone is left to clip
+
+
+def as_gamut(name: str) -> str:
+    """``name`` if it is one of :data:`GAMUTS`."""
+    return one_of(name, "gamut", GAMUTS)
 
 
 def encode(rgb: FloatArray, colourspace: str) -> FloatArray:
