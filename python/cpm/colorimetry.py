@@ -22,21 +22,57 @@ def bin_edges(wavelengths: FloatArray) -> FloatArray:
     return np.concatenate([[first], middles, [last]])
 
 
-def xyz_weights(wavelengths: FloatArray) -> FloatArray:
-    """Integrals of the CIE 1931 colour matching functions over the bins, nm, shape (bins, 3).
+def matching_functions(wavelengths: npt.ArrayLike) -> FloatArray:
+    """The CIE 1931 colour matching functions, shape (N, 3): linear between the table's 1 nm, 0 beyond it."""
+    positions, table = _observer()
+    return np.stack([np.interp(wavelengths, positions, table[:, i], left=0.0, right=0.0) for i in range(3)], axis=1)
 
-    One bin alone stands for a flat spectrum.
-    """
+
+def _observer() -> tuple[FloatArray, FloatArray]:
     observer = colour_science().MSDS_CMFS[_OBSERVER]
-    table = np.asarray(observer.values, dtype=float)
-    positions = np.asarray(observer.wavelengths, dtype=float)
+    return np.asarray(observer.wavelengths, dtype=float), np.asarray(observer.values, dtype=float)
+
+
+def xyz_weights(wavelengths: FloatArray, edges: FloatArray | None = None) -> FloatArray:
+    """What a spectrum's values at bin centres are multiplied by to give XYZ, nm, shape (bins, 3).
+
+    The spectrum is constant in each of equal bins; in uneven ones it goes through the value at the centre with the slope
+    of the parabola through it and its neighbours, since steps would be off by the first power of the width. Bins that
+    have no ``edges`` (bins + 1, nm) reach half-way to their neighbours. One bin alone stands for a flat spectrum.
+    """
+    positions, table = _observer()
     steps = 0.5 * (table[1:] + table[:-1]) * np.diff(positions)[:, None]
     integral = np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)])
     if len(wavelengths) == 1:
         return integral[-1:]
-    edges = bin_edges(wavelengths)
-    at_edges = np.stack([np.interp(edges, positions, integral[:, i]) for i in range(3)], axis=1)
-    return np.diff(at_edges, axis=0)
+    cells = bin_edges(wavelengths) if edges is None else edges
+    weights = np.diff([[np.interp(edge, positions, integral[:, i]) for i in range(3)] for edge in cells], axis=0)
+    widths = np.diff(cells)
+    if np.ptp(widths) <= 1e-6 * widths.mean():
+        return np.asarray(weights)
+    return np.asarray(weights + _slopes(wavelengths).T @ _first_moments(wavelengths, cells))
+
+
+def _slopes(x: FloatArray) -> FloatArray:
+    """The matrix (N, N) that makes slopes of values at x: of a parabola through three neighbours, of a line at the
+    ends."""
+    below, above = np.diff(x)[:-1], np.diff(x)[1:]
+    matrix, inner = np.zeros((x.size, x.size)), np.arange(1, x.size - 1)
+    matrix[inner, inner - 1] = -above / (below * (below + above))
+    matrix[inner, inner] = (above - below) / (below * above)
+    matrix[inner, inner + 1] = below / (above * (below + above))
+    for at, left in ((0, 0), (x.size - 1, x.size - 2)):
+        matrix[at, left], matrix[at, left + 1] = np.array([-1.0, 1.0]) / (x[left + 1] - x[left])
+    return matrix
+
+
+def _first_moments(centers: FloatArray, edges: FloatArray) -> FloatArray:
+    """Integrals of the matching functions times the distance from the centre over each bin, nm², shape (bins, 3)."""
+    moments = np.empty((centers.size, 3))
+    for i, center in enumerate(centers):
+        grid = np.linspace(edges[i], edges[i + 1], max(65, int(4 * (edges[i + 1] - edges[i]))))
+        moments[i] = np.trapezoid(matching_functions(grid) * (grid - center)[:, None], grid, axis=0)
+    return moments
 
 
 def flat_luminance() -> float:

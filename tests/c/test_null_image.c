@@ -98,7 +98,6 @@ static void photons_and_images(void **state) {
     assert_refused(context, image, cpm_image_render(context, s, &r, &image));
     r = render, r.max_radius = NAN;
     assert_refused(context, image, cpm_image_render(context, s, &r, &image));
-    const double tolerances[] = {-1e-9, 100.001, INFINITY, NAN};
     for (size_t i = 0; i < COUNT_OF(tolerances); i++) {
         r = render, r.bundle_tolerance = tolerances[i];
         assert_refused(context, image, cpm_image_render(context, s, &r, &image));
