@@ -14,7 +14,7 @@ from ._arrays import FloatArray, as_array, as_number
 from ._exr import read_spectral
 from ._files import written_together
 from .photons import named_stats
-from .settings import as_wavelengths
+from .settings import as_wavelengths, edges_of
 
 __all__ = ["Image"]
 
@@ -33,7 +33,7 @@ class Image:
     data : array_like, shape (height, width, bins)
         Radiance, W·m⁻²·sr⁻¹·nm⁻¹.
     wavelengths : array_like, shape (bins,)
-        Bin centres, nm.
+        Bin centres, nm, or Bins of :mod:`cpm.wavelengths`, whose edges the image keeps.
 
     Attributes
     ----------
@@ -44,6 +44,7 @@ class Image:
 
     def __init__(self, data: npt.ArrayLike, wavelengths: npt.ArrayLike) -> None:
         values, centers = as_array(data, "data"), as_wavelengths(wavelengths)
+        self._edges = edges_of(wavelengths)
         if values.ndim != 3 or values.shape[2] != len(centers) or not values.size:
             raise ValueError(f"data has shape {values.shape}; (height, width, {len(centers)}) is needed")
         self._take(_core.Image(values.astype(np.float32), centers))
@@ -70,8 +71,9 @@ class Image:
         return cls(*read_spectral(path))
 
     @classmethod
-    def _of(cls, handle: _core.Image) -> Image:
+    def _of(cls, handle: _core.Image, edges: FloatArray | None = None) -> Image:
         image = cls.__new__(cls)
+        image._edges = edges
         image._take(handle)
         return image
 
@@ -92,6 +94,18 @@ class Image:
         """(bins,), bin centres, nm."""
         return self._handle.wavelengths
 
+    @property
+    def edges(self) -> FloatArray:
+        """(bins + 1,), nm: those of the Bins that were rendered, else half-way between centres.
+
+        A file has centres alone: what :meth:`load` gives has edges half-way. One bin alone stands for all that is seen,
+        360 to 830 nm.
+        """
+        if self._edges is not None:
+            return self._edges
+        centers = self.wavelengths
+        return colorimetry.bin_edges(centers) if len(centers) > 1 else np.array([360.0, 830.0])
+
     def to_xyz(self, observer: str = colorimetry.OBSERVER) -> FloatArray:
         """CIE XYZ.
 
@@ -103,11 +117,12 @@ class Image:
         Returns
         -------
         ndarray, shape (height, width, 3)
-            Y is luminance in cd/m² (of that observer). Bins reach half-way to their neighbours; one bin alone stands
-            for a flat spectrum. NaN where a bin is.
+            Y is luminance in cd/m² (of that observer). A spectrum is constant in each of equal bins, linear in each of
+            uneven ones, from edge to edge; one bin alone stands for a flat spectrum. NaN where a bin is.
         """
+        weights = colorimetry.xyz_weights(self.wavelengths, observer, self._edges)
         with np.errstate(invalid="ignore"):  # of pixels that are not finite
-            return colorimetry.MAXIMUM_EFFICACY * (self.data @ colorimetry.xyz_weights(self.wavelengths, observer))
+            return colorimetry.MAXIMUM_EFFICACY * (self.data @ weights)
 
     def to_rgb(self, colourspace: str = "sRGB", *, exposure: float | None = None, white: str | None = None,
                encode: bool = True, gamut: str | None = None, observer: str = colorimetry.OBSERVER) -> FloatArray:
@@ -223,7 +238,7 @@ def check_shown(exposure: float | None = None, white: str | None = None, gamut: 
     if gamut is not None:
         colorimetry.as_gamut(gamut)
     if observer != colorimetry.OBSERVER:
-        colorimetry.matching_functions(observer)
+        colorimetry.observer_table(observer)
 
 
 def auto_exposure(luminance: npt.NDArray[Any]) -> float:

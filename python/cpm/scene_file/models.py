@@ -475,6 +475,7 @@ class BinsTable(Table):
     from_: Positive = Field(alias="from")
     to: Positive
     bins: Annotated[Integer, Field(ge=1, le=256)]
+    sampling: Literal["equal", "refraction", "contribution"] = "equal"
 
 
 def _wavelengths_kind(value: Any) -> str | None:
@@ -485,7 +486,7 @@ Wavelengths = Annotated[
     Annotated[list[Positive], Field(min_length=1, max_length=256), Tag("<list>")]
     | Annotated[BinsTable, Tag("<table>")],
     Discriminator(_wavelengths_kind, custom_error_type="kind",
-                  custom_error_message="must be a list of bin centres or a table of from, to and bins")]
+                  custom_error_message="must be a list of bin centres or a table of from, to, bins and sampling")]
 
 Pixels = Annotated[Integer, Field(ge=1, le=65536)]
 
