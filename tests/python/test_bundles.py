@@ -3,6 +3,8 @@
 The closed forms that each bin is held against are in tests/c/test_bundles.c; here is what must hold in whole pictures.
 """
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from support import scenes
@@ -147,10 +149,26 @@ def test_nonsense(value, error, words):
             run()
 
 
+def test_command_line(tmp_path, monkeypatch, capsys):
+    """--bundle-tolerance is render's; nonsense is bad input."""
+    from cpm.cli.program import run
+
+    monkeypatch.chdir(tmp_path)
+    scene = str(Path(__file__).parents[2] / "examples" / "glass_caustic.toml")
+    small = ["--size", "8x6", "--photons", "2000", "--quiet", "-o"]
+    assert run(["render", scene, "--bundle-tolerance", "0", *small, "apart.exr"]) == 0
+    assert run(["render", scene, "--bundle-tolerance", "50", *small, "together.exr"]) == 0
+    expected = cpm.render(cpm.load_scene(scene), size=(8, 6), photons=2000, bundle_tolerance=50).data
+    np.testing.assert_array_equal(cpm.Image.load("together.exr").data, expected)
+    assert not np.array_equal(cpm.Image.load("apart.exr").data, expected)
+    assert run(["render", scene, "--bundle-tolerance", "-1", *small, "no.exr"]) == 2
+    assert "bundle_tolerance is -1; 0 to 100" in capsys.readouterr().err and not Path("no.exr").exists()
+
+
 def test_scene_file_says_it(tmp_path):
     path = tmp_path / "scene.toml"
     path.write_text('[render]\nbundle_tolerance = 0.25\n')
     assert cpm.load_scene(path).render_defaults.bundle_tolerance == 0.25
     path.write_text('[render]\nbundle_tolerance = -1\n')
-    with pytest.raises(ValueError, match="render.bundle_tolerance"):
+    with pytest.raises(ValueError, match=r"render\.bundle_tolerance"):
         cpm.load_scene(path)
