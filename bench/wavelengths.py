@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
 """Which wavelengths, and how many go one way: error against run time.
 
-Samplings: the upper limb of a setting Sun, 2″ a pixel (a green rim), in 4 to 64 bins of equal width, of equal refraction
-and of equal contribution, against 256. Error: of XYZ, root mean square over that of the reference, over the whole
-picture and over its rim (pixels that are neither dark nor full); and CIEDE2000, mean over the rim.
+Samplings: the upper limb of a setting Sun, 4″ a pixel (a green rim), in 4 to 64 bins of equal width, of equal
+refraction and of equal contribution, against 256. Error: of XYZ, root mean square over that of the reference, over the
+whole picture and over its rim (pixels that are neither dark nor full); and CIEDE2000, mean over the rim.
 
 Bundles: what `bundle_tolerance` saves, in CPU seconds of a whole render, paths followed and gathers, and what it costs.
 "eye": the picture from one photon map with eye rays bundled, over that with each wavelength its own. "photons": the
-same for photons bundled, one eye ray for all bins, all photons within a disc of fixed radius, so that the estimates
-differ by where photons lie alone (and by the luck of later bounces). Both are root mean squares over the mean, all bins. "noise":
-one picture against another seed's, by √2, with each wavelength its own path.
+same for photons bundled, with one eye ray for all bins and all photons within a disc of fixed radius, so that the
+estimates differ by where photons lie alone (and by the luck of later bounces). Both are root mean squares over the
+mean, all bins. "noise": one picture against another seed's, by √2, with each wavelength its own path.
 """
 import argparse
 import time
