@@ -10,7 +10,7 @@ TEMPERATURE, AIR_MASS = 5778.0, 30.0
 DISTANCE = 3e6        # m: beyond the air, where rays are straight
 SUN_RADIUS = 959.63   # arc seconds
 EYE = 15.0            # m above the sea
-PIXEL = 2.0 / 3600    # degrees
+PIXEL = 4.0 / 3600    # degrees
 
 
 def depth(wavelength):
@@ -26,8 +26,8 @@ def sunlight(wavelength):
     return planck * np.exp(-AIR_MASS * depth(wavelength))
 
 
-def limb(height=150, width=10):
-    """The upper limb of the Sun, 2″ a pixel, as it goes down into the sea: only what refracts the most is still seen.
+def limb(height=60, width=4):
+    """The upper limb of the Sun, 4″ a pixel, 8 eye rays each, as it goes down into the sea: only what refracts the most is still seen.
 
     A ball of the Sun's angular radius beyond the air shines with sunlight(). The picture's lowest row is the sea.
     """
@@ -44,7 +44,7 @@ def limb(height=150, width=10):
     scene.add_light(cpm.lights.Area(sun, (w, sunlight(w))))
     tilt = np.radians(-0.02)
     scene.camera = cpm.Camera.look_at((0, EYE, 0), (np.cos(tilt), EYE + np.sin(tilt), 0), fov=width * PIXEL)
-    scene.render_defaults = cpm.RenderSettings(size=(width, height), photons=0)
+    scene.render_defaults = cpm.RenderSettings(size=(width, height), photons=0, samples=8)
     return scene
 
 
@@ -58,7 +58,7 @@ def road():
     scene.add_mesh([(-20, 0, -9), (-20, 0, 9), (700, 0, 9), (700, 0, -9)], [(0, 1, 2), (0, 2, 3)],
                    material=cpm.materials.Diffuse(0.1))
     for z in (-5.0, 0.0, 5.0):
-        scene.add_light(cpm.lights.Spot((590, 3.0, z), (600, 1.2, z), cutoff=35.0, intensity={"name": "A", "scale": 50}))
+        scene.add_light(cpm.lights.Spot((590, 3.0, z), (600, 1.2, z), cutoff=35.0, intensity="A"))
     scene.camera = cpm.Camera.look_at((0, 1.2, 0), (600, 0.6, 0), fov=1.4)
     scene.render_defaults = cpm.RenderSettings(size=(200, 80), photons=100_000, nearest=150)
     return scene

@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
 """Which wavelengths, and how many go one way: error against run time.
 
-Samplings: the upper limb of a setting Sun, 2″ a pixel (a green rim), in 4 to 64 bins of equal width, of equal refraction
-and of equal contribution, against 256. Error: of XYZ, root mean square over that of the reference, over the whole
-picture and over its rim (pixels that are neither dark nor full); and CIEDE2000, mean over the rim.
+Samplings: the upper limb of a setting Sun, 4″ a pixel (a green rim), in 4 to 64 bins of equal width, of equal
+refraction and of equal contribution, against 256. Error: of XYZ, root mean square over that of the reference, over the
+whole picture and over its rim (pixels that are neither dark nor full); and CIEDE2000, mean over the rim.
 
 Bundles: what `bundle_tolerance` saves, in CPU seconds of a whole render, paths followed and gathers, and what it costs.
 "eye": the picture from one photon map with eye rays bundled, over that with each wavelength its own. "photons": the
-same for photons bundled, one eye ray for all bins, all photons within a disc of fixed radius, so that the estimates differ by
-where photons lie alone (and by the luck of later bounces). Both are root mean squares over the mean, all bins. "noise":
-one picture against another seed's, by √2, with each wavelength its own path.
+same for photons bundled, with one eye ray for all bins and all photons within a disc of fixed radius, so that the
+estimates differ by where photons lie alone (and by the luck of later bounces). Both are root mean squares over the
+mean, all bins. "noise": one picture against another seed's, by √2, with each wavelength its own path.
 """
 import argparse
 import time
@@ -83,6 +83,7 @@ def compare_samplings(options):
                      **errors(image, reference, rim)}
             content["points"].append(point)
             rows.append([n, name, seconds, point["picture"], point["rim"], point["delta_e"]])
+        print(f"{n} bins", flush=True)
     table(f"the last limb: error against {REFERENCE} equal bins ({rim.sum()} pixels of rim; 256 by refraction: "
           f"{content['reference_to_refraction_256']['rim']:.1e} there)",
           ["bins", "sampling", "CPU s", "XYZ, picture", "XYZ, rim", "ΔE2000, rim"], rows)
@@ -134,7 +135,8 @@ def compare_bundles(options):
             point["over_apart"] = {k: point[k] / base[k] if base[k] else None for k in ("seconds", "paths", "gathers")}
             if lit:
                 together = cpm.trace_photons(scene, **traced, bundle_tolerance=tolerance)
-                point["eye"] = relative(cpm.render(scene, photon_map=apart, bundle_tolerance=tolerance, **seen), eye_apart)
+                point["eye"] = relative(cpm.render(scene, photon_map=apart, bundle_tolerance=tolerance, **seen),
+                                        eye_apart)
                 point["photons"] = relative(cpm.render(scene, photon_map=together, **seen, **fixed), discs_apart)
                 point["noise"] = noise
             else:
@@ -152,6 +154,7 @@ def compare_bundles(options):
                     figures.append(judge(f"bundles, {name}, tolerance 0.1: error of eye and photons over the noise",
                                          np.hypot(point["eye"], point["photons"]) / noise, 1.0))
         content[name] = points
+        print(name, flush=True)
     table("bundles: cost over that of each wavelength apart, and error", ["scene", "tolerance", "CPU s", "paths",
           "gathers", "eye", "photons", "noise"], rows)
     return content, figures

@@ -72,9 +72,9 @@ def ground():
 
 
 def markings():
-    """Dashes 4 m long in the middle, lines at the edges; 4 mm above the asphalt."""
-    dashes = [((-0.09, 0.004, -z), (0.18, 0, 0), (0, 0, -4.0)) for z in np.arange(NEAR, 400.0, 12.0)]
-    edges = [((x - 0.09, 0.004, -NEAR), (0.18, 0, 0), (0, 0, NEAR - 1500.0)) for x in (-3.7, 3.7)]
+    """Dashes 4 m long in the middle, lines at the edges; 1 mm above the asphalt."""
+    dashes = [((-0.09, 0.001, -z), (0.18, 0, 0), (0, 0, -4.0)) for z in np.arange(NEAR, 400.0, 12.0)]
+    edges = [((x - 0.09, 0.001, -NEAR), (0.18, 0, 0), (0, 0, NEAR - 1500.0)) for x in (-3.7, 3.7)]
     return quads(dashes, edges)
 
 

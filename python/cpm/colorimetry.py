@@ -41,24 +41,28 @@ def observer_table(name: str) -> tuple[FloatArray, FloatArray]:
     return np.asarray(known[name].wavelengths, dtype=float), np.asarray(known[name].values, dtype=float)
 
 
-def xyz_weights(wavelengths: FloatArray, observer: str = OBSERVER, edges: FloatArray | None = None) -> FloatArray:
+def xyz_weights(wavelengths: FloatArray, observer: str = OBSERVER, edges: FloatArray | None = None,
+                shape: Any = None) -> FloatArray:
     """What a spectrum's values at bin centres are multiplied by to give XYZ, nm, shape (bins, 3).
 
     The spectrum is constant in each of equal bins; in uneven ones it goes through the value at the centre with the slope
-    of the parabola through it and its neighbours, since steps would be off by the first power of the width. Bins that
-    have no ``edges`` (bins + 1, nm) reach half-way to their neighbours. One bin alone stands for a flat spectrum.
+    of the parabola through it and its neighbours, since steps would be off by the first power of the width. With a
+    ``shape`` (a function of wavelength, > 0 at the centres) that is said of the spectrum over its shape. Bins that have
+    no ``edges`` (bins + 1, nm) reach half-way to their neighbours. One bin alone stands for a flat spectrum.
     """
     positions, table = observer_table(observer)
     steps = 0.5 * (table[1:] + table[:-1]) * np.diff(positions)[:, None]
     integral = np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)])
-    if len(wavelengths) == 1:
+    if len(wavelengths) == 1 and shape is None:
         return integral[-1:]
     cells = bin_edges(wavelengths) if edges is None else edges
-    weights = np.diff([[np.interp(edge, positions, integral[:, i]) for i in range(3)] for edge in cells], axis=0)
     widths = np.diff(cells)
-    if np.ptp(widths) <= 1e-6 * widths.mean():
-        return np.asarray(weights)
-    return np.asarray(weights + _slopes(wavelengths).T @ _first_moments(wavelengths, cells, observer))
+    if shape is None and np.ptp(widths) <= 1e-6 * widths.mean():
+        at_edges = np.stack([np.interp(cells, positions, integral[:, i]) for i in range(3)], axis=1)
+        return np.diff(at_edges, axis=0)
+    moments = np.array([_moments(*cell, shape, observer) for cell in zip(cells[:-1], cells[1:], wavelengths, strict=True)])
+    weights = moments[:, 0] + (_slopes(wavelengths).T @ moments[:, 1] if len(wavelengths) > 1 else 0.0)
+    return np.asarray(weights if shape is None else weights / shape(wavelengths)[:, None])
 
 
 def _slopes(x: FloatArray) -> FloatArray:
@@ -74,13 +78,11 @@ def _slopes(x: FloatArray) -> FloatArray:
     return matrix
 
 
-def _first_moments(centers: FloatArray, edges: FloatArray, observer: str) -> FloatArray:
-    """Integrals of the matching functions times the distance from the centre over each bin, nm², shape (bins, 3)."""
-    moments = np.empty((centers.size, 3))
-    for i, center in enumerate(centers):
-        grid = np.linspace(edges[i], edges[i + 1], max(65, int(4 * (edges[i + 1] - edges[i]))))
-        moments[i] = np.trapezoid(matching_functions(grid, observer) * (grid - center)[:, None], grid, axis=0)
-    return moments
+def _moments(low: float, high: float, center: float, shape: Any, observer: str) -> FloatArray:
+    """Integrals of the matching functions, times the shape, and of these times the distance from the centre: (2, 3)."""
+    grid = np.linspace(low, high, max(65, int(4 * (high - low))))
+    seen = matching_functions(grid, observer) * (1.0 if shape is None else shape(grid)[:, None])
+    return np.asarray(np.trapezoid([seen, seen * (grid - center)[:, None]], grid, axis=1))
 
 
 def flat_luminance() -> float:

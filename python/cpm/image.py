@@ -14,7 +14,8 @@ from ._arrays import FloatArray, as_array, as_number
 from ._exr import read_spectral
 from ._files import written_together
 from .photons import named_stats
-from .settings import as_wavelengths, edges_of
+from .settings import as_wavelengths, bins_of
+from .wavelengths import Bins
 
 __all__ = ["Image"]
 
@@ -44,7 +45,7 @@ class Image:
 
     def __init__(self, data: npt.ArrayLike, wavelengths: npt.ArrayLike) -> None:
         values, centers = as_array(data, "data"), as_wavelengths(wavelengths)
-        self._edges = edges_of(wavelengths)
+        self._bins = bins_of(wavelengths)
         if values.ndim != 3 or values.shape[2] != len(centers) or not values.size:
             raise ValueError(f"data has shape {values.shape}; (height, width, {len(centers)}) is needed")
         self._take(_core.Image(values.astype(np.float32), centers))
@@ -71,9 +72,9 @@ class Image:
         return cls(*read_spectral(path))
 
     @classmethod
-    def _of(cls, handle: _core.Image, edges: FloatArray | None = None) -> Image:
+    def _of(cls, handle: _core.Image, bins: Bins | None = None) -> Image:
         image = cls.__new__(cls)
-        image._edges = edges
+        image._bins = bins
         image._take(handle)
         return image
 
@@ -101,8 +102,8 @@ class Image:
         A file has centres alone: what :meth:`load` gives has edges half-way. One bin alone stands for all that is seen,
         360 to 830 nm.
         """
-        if self._edges is not None:
-            return self._edges
+        if self._bins is not None:
+            return self._bins.edges
         centers = self.wavelengths
         return colorimetry.bin_edges(centers) if len(centers) > 1 else np.array([360.0, 830.0])
 
@@ -118,9 +119,12 @@ class Image:
         -------
         ndarray, shape (height, width, 3)
             Y is luminance in cd/m² (of that observer). A spectrum is constant in each of equal bins, linear in each of
-            uneven ones, from edge to edge; one bin alone stands for a flat spectrum. NaN where a bin is.
+            uneven ones, from edge to edge, times the bins' ``shape`` if they have one; one bin alone stands for a flat
+            spectrum. NaN where a bin is.
         """
-        weights = colorimetry.xyz_weights(self.wavelengths, observer, self._edges)
+        bins = self._bins
+        weights = (colorimetry.xyz_weights(self.wavelengths, observer) if bins is None else
+                   colorimetry.xyz_weights(self.wavelengths, observer, bins.edges, bins.shape))
         with np.errstate(invalid="ignore"):  # of pixels that are not finite
             return colorimetry.MAXIMUM_EFFICACY * (self.data @ weights)
 

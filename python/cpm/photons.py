@@ -173,8 +173,7 @@ def trace_photons(scene: Scene, photons: int | None = None, *, seed: int | None 
                                      bundle_tolerance=settings.bundle_tolerance,
                                      batch=as_integer(batch, "batch", 0, MAX_BATCH),
                                      threads=as_integer(threads, "threads", 0, 1024), progress=report)
-    bins = None if settings.edges is None else Bins(settings.edges, settings.wavelengths)
-    return Photons(handle, settings.wavelengths, bins)
+    return Photons(handle, settings.wavelengths, settings.bins)
 
 
 def named_stats(stats: dict[str, Any]) -> dict[str, Any]:

@@ -106,7 +106,7 @@ def render(scene: Scene, size: tuple[int, int] | None = None, photons: int | Pho
                               edge_correction=bool(edge_correction), bundle_tolerance=settings.bundle_tolerance,
                               batch=as_integer(batch, "batch", 0, MAX_BATCH),
                               threads=as_integer(threads, "threads", 0, 1024), progress=report)
-    image = Image._of(handle, settings.edges)
+    image = Image._of(handle, settings.bins)
     if not image.data.any():
         warnings.warn(f"the picture is black: {_why_black(scene, image.stats, settings.wavelengths)}", stacklevel=2)
     return image

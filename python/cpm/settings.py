@@ -55,7 +55,7 @@ class Resolved:
     photons: int
     nearest: int
     wavelengths: FloatArray
-    edges: FloatArray | None  # of bins that have some of their own
+    bins: Bins | None  # where they were given as such
     samples: int
     seed: int
     max_radius: float
@@ -90,9 +90,9 @@ def as_wavelengths(value: Any) -> FloatArray:
     return np.ascontiguousarray(centers)
 
 
-def edges_of(value: Any) -> FloatArray | None:
-    """Edges (nm) of bins that have some of their own; None: half-way between centres."""
-    return value.edges if isinstance(value, Bins) else None
+def bins_of(value: Any) -> Bins | None:
+    """Bins that were given as such; None: centres, with edges half-way between them."""
+    return value if isinstance(value, Bins) else None
 
 
 def _tolerance(value: Any) -> float:
@@ -121,7 +121,7 @@ def resolve(defaults: RenderSettings, **asked: Any) -> Resolved:
         photons=as_integer(values["photons"], "photons", 0, 2**32 - 1),
         nearest=as_integer(values["nearest"], "nearest", 2, MAX_NEAREST),
         wavelengths=as_wavelengths(values["wavelengths"]),
-        edges=edges_of(values["wavelengths"]),
+        bins=bins_of(values["wavelengths"]),
         samples=as_integer(values["samples"], "samples", 1, MAX_SAMPLES),
         seed=as_integer(values["seed"], "seed", 0, 2**64 - 1),
         max_radius=as_number(values["max_radius"], "max_radius"),

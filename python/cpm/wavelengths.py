@@ -1,10 +1,10 @@
 """Which wavelengths to render: bins of equal width, of equal refraction, or of equal contribution.
 
-    bins = cpm.wavelengths.by_refraction(profile, 400, 700, step=2 / 3600)    # neighbours 2″ apart at the horizon
+    bins = cpm.wavelengths.by_refraction(profile, 400, 700, step=2 / 3600)   # neighbours 2″ apart at the horizon
     image = cpm.render(scene, wavelengths=bins)                               # image.edges are the bins' own
 
-What a medium does with wavelengths is uneven: from 400 to 450 nm air's refraction at the horizon changes by 16″, from 650
-to 700 nm by 4″. Bins of equal width waste on the red what the violet lacks. A. T. Young (Green Flashes at Sunset,
+What a medium does with wavelengths is uneven: from 400 to 450 nm air's refraction at the horizon changes by 17″, from
+650 to 700 nm by 4″. Bins of equal width waste on the red what the violet lacks. A. T. Young (Green Flashes at Sunset,
 aty.sdsu.edu) spaces simulations of green flashes so that refraction differs by 1 to 2″ between neighbours, at a
 resolution of 10″.
 """
@@ -35,6 +35,7 @@ SAMPLINGS = ("equal", "refraction", "contribution")
 
 _GRID = 4097     # wavelengths at which weights are looked at
 _COARSE = 129    # and functions that may be slow
+_DEGREE = 8
 _MOST_BINS = 256
 
 
@@ -49,14 +50,21 @@ class Bins:
         nm, strictly increasing.
     centers : array_like, shape (bins,), optional
         Where each bin is rendered, nm, within it. Default: its middle.
+    shape : callable, optional
+        What spectra are like within a bin, up to a factor of each bin: a function of wavelengths (nm, an array), > 0 at
+        the centres. An integral over a bin then takes the value at its centre times this shape over its own value there
+        (importance sampling); a wide bin in which light falls by orders of magnitude is right all the same.
 
     Attributes
     ----------
     edges : ndarray, shape (bins + 1,)
     centers : ndarray, shape (bins,)
+    shape : callable or None
     """
 
-    def __init__(self, edges: npt.ArrayLike, centers: npt.ArrayLike | None = None) -> None:
+    def __init__(self, edges: npt.ArrayLike, centers: npt.ArrayLike | None = None,
+                 shape: Callable[[FloatArray], FloatArray] | None = None) -> None:
+        self.shape = shape
         self.edges = as_array(edges, "edges").copy()
         if self.edges.ndim != 1 or not 2 <= self.edges.size <= _MOST_BINS + 1:
             raise ValueError(f"edges has shape {self.edges.shape}; 2 to {_MOST_BINS + 1} edges are needed")
@@ -73,6 +81,8 @@ class Bins:
             i = int(outside[0])
             raise ValueError(f"centers[{i}] is {self.centers[i]:g} nm; it must be within its bin, {self.edges[i]:g} to "
                              f"{self.edges[i + 1]:g}")
+        if shape is not None and not np.all(_values(shape, "shape", self.centers) > 0):
+            raise ValueError("shape is not above 0 at every centre")
         self.edges.flags.writeable = self.centers.flags.writeable = False
 
     @property
@@ -138,7 +148,7 @@ def by_refraction(what: Any, low: float = 400.0, high: float = 700.0, bins: int 
         Rendered at their middles.
     """
     low, high = _range(low, high)
-    value = _refraction_of(what, zenith, height, point)
+    value = _refraction_of(what, low, high, zenith, height, point)
     grid = np.linspace(low, high, _COARSE)
     total = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(value(grid))))])
     if not total[-1] > 0:
@@ -182,7 +192,7 @@ def by_contribution(low: float = 400.0, high: float = 700.0, bins: int = 16, *, 
     Returns
     -------
     Bins
-        Rendered where half of each bin's contribution lies on either side.
+        Rendered where half of each bin's contribution lies on either side; their shape is illuminant × transmission.
     """
     low, high = _range(low, high)
     count = as_integer(bins, "bins", 1, _MOST_BINS)
@@ -190,8 +200,12 @@ def by_contribution(low: float = 400.0, high: float = 700.0, bins: int = 16, *, 
     if not 0 <= even <= 1:
         raise ValueError(f"spread is {even:g}; 0 to 1 is needed")
     grid = np.linspace(low, high, _GRID)
-    seen = as_spectrum(illuminant, "illuminant").at(grid) * _observer(observer, grid) * _values(
-        transmission, "transmission", grid)
+    lamp = as_spectrum(illuminant, "illuminant")
+
+    def light(w: FloatArray) -> FloatArray:
+        return lamp.at(w) * _values(transmission, "transmission", w)
+
+    seen = light(grid) * _observer(observer, grid)
     bad = np.flatnonzero(~(np.isfinite(seen) & (seen >= 0)))
     if bad.size:
         raise ValueError(f"the contribution at {grid[bad[0]]:g} nm is {seen[bad[0]]:g}; it must be finite and >= 0")
@@ -200,7 +214,7 @@ def by_contribution(low: float = 400.0, high: float = 700.0, bins: int = 16, *, 
     weight = (1.0 - even) * seen / seen.mean() + even
     total = np.concatenate([[0.0], np.cumsum(0.5 * (weight[1:] + weight[:-1]))])
     halves = _divided(grid, total, 2 * count)
-    return Bins(halves[::2], halves[1::2])
+    return Bins(halves[::2], halves[1::2], light if np.all(light(halves[1::2]) > 0) else None)
 
 
 def for_scene(scene: Scene, low: float, high: float, bins: int, sampling: str) -> Bins:
@@ -233,9 +247,13 @@ def _divided(grid: FloatArray, total: FloatArray, count: int) -> FloatArray:
     return places
 
 
-def _refraction_of(what: Any, zenith: float, height: float, point: npt.ArrayLike) -> Callable[[FloatArray], FloatArray]:
+def _refraction_of(what: Any, low: float, high: float, zenith: float, height: float,
+                   point: npt.ArrayLike) -> Callable[[FloatArray], FloatArray]:
     if isinstance(what, Profile):
-        return lambda w: np.asarray(refraction(what, zenith, w, height))
+        # Air's refraction is a smooth function of 1/λ²: a polynomial through a few values is within 1e-6 of it.
+        series = np.polynomial.Chebyshev.interpolate(
+            lambda k: np.asarray(refraction(what, zenith, k**-0.5, height)), _DEGREE, domain=(high**-2, low**-2))
+        return lambda w: np.asarray(series(w**-2.0))
     if isinstance(what, Dispersion):
         return lambda w: np.asarray(what.n(w))
     if isinstance(what, Medium):

@@ -501,7 +501,8 @@ class RenderTable(Table):
     samples: Annotated[Integer, Field(ge=1, le=MAX_SAMPLES)] | None = None
     seed: Annotated[Integer, Field(ge=0, le=2**63 - 1)] | None = None
     max_radius: Positive | None = None
-    bundle_tolerance: Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0, le=MAX_BUNDLE_TOLERANCE)] | None = None
+    bundle_tolerance: Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0,
+                                             le=MAX_BUNDLE_TOLERANCE)] | None = None
 
 
 class IntegratorTable(Table):
