@@ -44,8 +44,13 @@ def through(field, glass, faces, origin, direction, screen):
 
 def sellmeier(B, C):
     """n(λ/nm) of SCHOTT's formula."""
-    return lambda wavelength: np.sqrt(1 + sum(b * (wavelength / 1e3) ** 2 / ((wavelength / 1e3) ** 2 - c) for b, c in zip(B, C, strict=True)))
+
+    def n(wavelength):
+        square = (wavelength / 1e3) ** 2
+        return np.sqrt(1 + sum(b * square / (square - c) for b, c in zip(B, C, strict=True)))
+
+    return n
 
 
-#: SCHOTT SF11, data sheet (2014).
-SF11 = sellmeier((1.73759695, 0.313747346, 1.89878101), (0.013188707, 0.0623068142, 155.23629))
+#: SCHOTT SF11 785258, catalogue of 2017.
+SF11 = sellmeier((1.73848403, 0.311168974, 1.17490871), (0.0136068604, 0.0615960463, 121.922711))
