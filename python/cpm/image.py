@@ -14,7 +14,8 @@ from ._arrays import FloatArray, as_array, as_number
 from ._exr import read_spectral
 from ._files import written_together
 from .photons import named_stats
-from .settings import as_wavelengths
+from .settings import as_wavelengths, bins_of
+from .wavelengths import Bins
 
 __all__ = ["Image"]
 
@@ -33,7 +34,7 @@ class Image:
     data : array_like, shape (height, width, bins)
         Radiance, W·m⁻²·sr⁻¹·nm⁻¹.
     wavelengths : array_like, shape (bins,)
-        Bin centres, nm.
+        Bin centres, nm, or Bins of :mod:`cpm.wavelengths`, whose edges the image keeps.
 
     Attributes
     ----------
@@ -44,6 +45,7 @@ class Image:
 
     def __init__(self, data: npt.ArrayLike, wavelengths: npt.ArrayLike) -> None:
         values, centers = as_array(data, "data"), as_wavelengths(wavelengths)
+        self._bins = bins_of(wavelengths)
         if values.ndim != 3 or values.shape[2] != len(centers) or not values.size:
             raise ValueError(f"data has shape {values.shape}; (height, width, {len(centers)}) is needed")
         self._take(_core.Image(values.astype(np.float32), centers))
@@ -70,8 +72,9 @@ class Image:
         return cls(*read_spectral(path))
 
     @classmethod
-    def _of(cls, handle: _core.Image) -> Image:
+    def _of(cls, handle: _core.Image, bins: Bins | None = None) -> Image:
         image = cls.__new__(cls)
+        image._bins = bins
         image._take(handle)
         return image
 
@@ -92,6 +95,18 @@ class Image:
         """(bins,), bin centres, nm."""
         return self._handle.wavelengths
 
+    @property
+    def edges(self) -> FloatArray:
+        """(bins + 1,), nm: those of the Bins that were rendered, else half-way between centres.
+
+        A file has centres alone: what :meth:`load` gives has edges half-way. One bin alone stands for all that is seen,
+        360 to 830 nm.
+        """
+        if self._bins is not None:
+            return self._bins.edges
+        centers = self.wavelengths
+        return colorimetry.bin_edges(centers) if len(centers) > 1 else np.array([360.0, 830.0])
+
     def to_xyz(self, observer: str = colorimetry.OBSERVER) -> FloatArray:
         """CIE XYZ.
 
@@ -103,11 +118,15 @@ class Image:
         Returns
         -------
         ndarray, shape (height, width, 3)
-            Y is luminance in cd/m² (of that observer). Bins reach half-way to their neighbours; one bin alone stands
-            for a flat spectrum. NaN where a bin is.
+            Y is luminance in cd/m² (of that observer). A spectrum is constant in each of equal bins, linear in each of
+            uneven ones, from edge to edge, times the bins' ``shape`` if they have one; one bin alone stands for a flat
+            spectrum. NaN where a bin is.
         """
+        bins = self._bins
+        weights = (colorimetry.xyz_weights(self.wavelengths, observer) if bins is None else
+                   colorimetry.xyz_weights(self.wavelengths, observer, bins.edges, bins.shape))
         with np.errstate(invalid="ignore"):  # of pixels that are not finite
-            return colorimetry.MAXIMUM_EFFICACY * (self.data @ colorimetry.xyz_weights(self.wavelengths, observer))
+            return colorimetry.MAXIMUM_EFFICACY * (self.data @ weights)
 
     def to_rgb(self, colourspace: str = "sRGB", *, exposure: float | None = None, white: str | None = None,
                encode: bool = True, gamut: str | None = None, observer: str = colorimetry.OBSERVER) -> FloatArray:
@@ -223,7 +242,7 @@ def check_shown(exposure: float | None = None, white: str | None = None, gamut: 
     if gamut is not None:
         colorimetry.as_gamut(gamut)
     if observer != colorimetry.OBSERVER:
-        colorimetry.matching_functions(observer)
+        colorimetry.observer_table(observer)
 
 
 def auto_exposure(luminance: npt.NDArray[Any]) -> float:
