@@ -96,6 +96,11 @@ cpm_status cpm_photons_run(const cpm_pass *pass, const cpm_photons_options *o, c
     cpm_photons *p = photons_new(pass);
     *photons = NULL;
     if (!p) return cpm_fail(context, CPM_ERROR_OUT_OF_MEMORY, "no memory for photon maps");
+    if (context->opencl) {
+        cpm_photons_release(p);
+        return cpm_fail(context, CPM_ERROR_UNSUPPORTED,
+                        "an OpenCL device traces rays alone in a medium here; scenes need the native backend");
+    }
 
     cpm_status status =
         cpm_emitters_create(pass, o->photons, o->seed, !o->no_projection, &emitters, &emitter_count, &scale, &p->stats);

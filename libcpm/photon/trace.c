@@ -182,7 +182,7 @@ static void describe(const task *t, size_t first, const encounter *met, size_t c
         const walker *w = &t->now.walkers[first + met[k].number];
         const cpm_flight *f = &t->now.flights[first + met[k].number];
         const cpm_arrival *a = &t->arrivals[met[k].number];
-        const cpm_facet facet = cpm_facet_of(t->pass->scene, &a->hit);
+        const cpm_facet facet = world_facet(&t->pass->world, a->hit.primitive, a->hit.position);
         m->came[0][k] = a->direction.x, m->came[1][k] = a->direction.y, m->came[2][k] = a->direction.z;
         m->start[0][k] = f->position.x, m->start[1][k] = f->position.y, m->start[2][k] = f->position.z;
         m->hit[0][k] = a->hit.position.x, m->hit[1][k] = a->hit.position.y, m->hit[2][k] = a->hit.position.z;

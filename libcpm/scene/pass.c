@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "medium/method.h"
+#include "world.h"
 
 #define NUDGE 1e-9 /* of the scene's size */
 #define MOST_TOLERANCE 100.0 /* of bundles, in pixels */
@@ -128,9 +129,6 @@ cpm_status cpm_pass_begin(cpm_context *context, cpm_scene *scene, const double *
 cpm_status cpm_pass_begin_with(cpm_context *context, cpm_scene *scene, const cpm_scene_options *options,
                                const double *wavelengths, size_t bins, cpm_pass *pass) {
     memset(pass, 0, sizeof *pass);
-    if (context->opencl)
-        return cpm_fail(context, CPM_ERROR_UNSUPPORTED,
-                        "an OpenCL device traces rays alone in a medium here; scenes need the native backend");
     pass->options = *options;
     pass->context = context;
     pass->scene = scene;
@@ -163,9 +161,9 @@ cpm_status cpm_pass_begin_with(cpm_context *context, cpm_scene *scene, const cpm
     if (!status) {
         pass->geometry = scene->geometry;
         find_extent(pass);
-    } else {
-        cpm_pass_end(pass);
+        if (!cpm_world_begin(pass)) status = cpm_fail(context, CPM_ERROR_OUT_OF_MEMORY, "no memory for a pass");
     }
+    if (status) cpm_pass_end(pass);
     return status;
 }
 
@@ -179,6 +177,7 @@ cpm_status cpm_pass_take_bundles(cpm_pass *pass, double tolerance, int32_t neare
 }
 
 void cpm_pass_end(cpm_pass *pass) {
+    cpm_world_end(pass);
     free(pass->wavelengths), free(pass->reflectance), free(pass->reflectance_max), free(pass->scale);
     free(pass->index), free(pass->disperses), free(pass->way), free(pass->method), free(pass->emission);
     memset(pass, 0, sizeof *pass);

@@ -168,7 +168,7 @@ static double *answers(const cpm_tree *tree, shape s, int32_t k, int backwards, 
         const uint32_t i = backwards ? MANY - 1 - j : j;
         const ask q = ask_make(s, i, places);
         out[i * row] = cpm_tree_irradiance(tree, query, q.point, q.normal, k, INFINITY, out + i * row + 1);
-        if (backwards) query->guess *= i % 3 == 0 ? 1000.0f : i % 3 == 1 ? 0.001f : 0.0f; /* bad memory */
+        if (backwards) query->state.guess *= i % 3 == 0 ? 1000.0f : i % 3 == 1 ? 0.001f : 0.0f; /* bad memory */
     }
     cpm_query_free(query);
     return out;
