@@ -17,6 +17,8 @@ from .bounds import Box, Sphere
 from .camera import Camera
 from .devices import Device, devices
 from .explain import Explanation, explain
+from .explain_rays import RayExplanation
+from .feature import Feature
 from .image import Image
 from .photons import PhotonMap, Photons, trace_photons
 from .rays import Rays, trace
@@ -36,9 +38,11 @@ __all__ = [
     "Device",
     "Error",
     "Explanation",
+    "Feature",
     "Image",
     "PhotonMap",
     "Photons",
+    "RayExplanation",
     "RayStatus",
     "Rays",
     "RenderSettings",
