@@ -427,7 +427,7 @@ static void advance_bundles(task *t, size_t first, size_t count) {
     crowd *to = &t->parted;
     const crowd from = t->now;
     to->count = 0;
-    if (!cpm_follow_bundles(b, pass, CPM_BUNDLES_OF_PHOTONS, &from.flights[first], &from.leeways[first], count) ||
+    if (!cpm_follow_bundles(b, pass, CPM_BUNDLES_OF_PHOTONS, &from.flights[first], &from.leeways[first], count, NULL) ||
         !crowd_reserve(to, b->count, 1) || !arrivals_reserve(t, b->count)) {
         t->failed = 1;
         return;

@@ -202,7 +202,7 @@ static void follow_now_in_bundles(viewer *v) {
     const size_t bins = v->pass->bins;
     cpm_bundles *b = &v->bundles;
     for (size_t i = 0; i < v->now.count; i++) v->now.leeways[i] = v->now.all[i].leeway;
-    if (!cpm_follow_bundles(b, v->pass, CPM_BUNDLES_OF_EYE, v->now.flights, v->now.leeways, v->now.count)) {
+    if (!cpm_follow_bundles(b, v->pass, CPM_BUNDLES_OF_EYE, v->now.flights, v->now.leeways, v->now.count, NULL)) {
         v->failed = 1;
         return;
     }
