@@ -165,7 +165,7 @@ size_t cpm_photons_count(const cpm_photons *photons, cpm_map map) {
 
 size_t cpm_photons_bins(const cpm_photons *photons) { return photons ? photons->bins : 0; }
 
-static void read_tree(const cpm_photons *p, const cpm_tree *tree, size_t offset, const cpm_photons_arrays *to) {
+static void read_tree(const cpm_photons *p, const cpm_map_tree *tree, size_t offset, const cpm_photons_arrays *to) {
     const cpm_photon *all = cpm_tree_photons(tree);
     const uint16_t *spectra = cpm_tree_spectra(tree);
     const double scale = cpm_tree_scale(tree);

@@ -40,7 +40,7 @@ struct cpm_photons {
     double *wavelengths;
     cpm_vec origin;  /* subtracted from stored positions */
     double diagonal; /* of the scene: the default max_radius */
-    cpm_tree *trees[CPM_POPULATIONS];
+    cpm_map_tree *trees[CPM_POPULATIONS];
     double *energy; /* CPM_ENERGY_ROWS x bins */
     cpm_stats stats;
 };

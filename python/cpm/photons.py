@@ -61,7 +61,8 @@ class PhotonMap:
         return self._photons.read(self._name, "bounce")
 
     def irradiance(self, points: npt.ArrayLike, normals: npt.ArrayLike, nearest: int = 150,
-                   max_radius: float | None = None, threads: int = 0, progress: ProgressLike = False) -> FloatArray:
+                   max_radius: float | None = None, threads: int = 0, progress: ProgressLike = False,
+                   backend: str = "native") -> FloatArray:
         """Irradiance estimated from the nearest photons.
 
         Parameters
@@ -74,6 +75,8 @@ class PhotonMap:
             Metres; default the scene's diagonal. With fewer than k inside it, all of them count.
         threads : int
             0: all.
+        backend : str
+            As :func:`trace_photons` has it: where the photons are searched. The results are equal.
 
         Returns
         -------
@@ -91,7 +94,8 @@ class PhotonMap:
         with reporting(progress) as report:
             return self._photons.irradiance(map=self._name, points=where, normals=sides,
                                             nearest=as_integer(nearest, "nearest", 2, MAX_NEAREST), max_radius=radius,
-                                            threads=as_integer(threads, "threads", 0, 1024), progress=report)
+                                            threads=as_integer(threads, "threads", 0, 1024),
+                                            device=device_index(backend), progress=report)
 
 
 class Photons:
