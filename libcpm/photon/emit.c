@@ -87,6 +87,33 @@ size_t cpm_emit(const cpm_pass *pass, const cpm_emitter *e, uint64_t path, size_
     return carrying;
 }
 
+/* A surface emits n^2 L: a path's weight has the middle bin's n, the others have their own where a medium disperses. */
+const float *cpm_emit_spectrum(const cpm_pass *pass, const cpm_emitter *e, const cpm_flight *flight, float *own) {
+    const int32_t medium = cpm_region_medium(&flight->region);
+    if (e->light->kind != CPM_LIGHT_AREA || !pass->disperses[medium]) return e->weight;
+    const double middle = squared_index(pass, &flight->region, flight->position);
+    for (size_t b = 0; b < pass->bins; b++) {
+        const double n = cpm_pass_index(pass, medium, (int32_t)b, flight->position);
+        own[b] = n > 0.0 ? (float)((double)e->weight[b] * (n * n / middle)) : 0.0f;
+    }
+    return own;
+}
+
+/* N paths over a solid angle, or over an area and its hemisphere: k of them fill a circle of angular radius
+ * sqrt(k angle/(pi N)), or sqrt(k area/(pi N)) metres on the light and sqrt(k/N) more for each metre away. */
+cpm_leeway cpm_emitter_leeway(const cpm_pass *pass, const cpm_emitter *e, float weight) {
+    const double share = pass->nearest * (double)weight / (double)e->count;
+    cpm_leeway leeway = {0.0, 0.0};
+    if (e->light->kind == CPM_LIGHT_AREA) {
+        leeway.size = pass->bundle_tolerance * sqrt(share / CPM_PI * pass->scene->shapes[e->light->shape].area);
+        leeway.angle = pass->bundle_tolerance * sqrt(share);
+    } else {
+        const double solid = CPM_TWO_PI * (1.0 - cpm_cos(e->light->cutoff));
+        leeway.angle = pass->bundle_tolerance * sqrt(share * solid / CPM_PI);
+    }
+    return leeway;
+}
+
 /* --------------------------------------------------------------------------------------------- sharing out paths */
 
 /* Power of a light over its emission spectrum: what W/sr/nm or basic radiance is multiplied by. */

@@ -294,6 +294,12 @@ cpm_status cpm_scene_rays_trace(cpm_context *context, cpm_scene *scene, const cp
         if (!r.steps) r.steps = (int64_t *)(own + 4 * request->count);
     }
     cpm_pass pass;
+    if (context->opencl) {
+        free(own);
+        return cpm_fail(context, CPM_ERROR_UNSUPPORTED,
+                        "an OpenCL device traces rays alone in a medium, photons and pictures; rays of a scene need the "
+                        "native backend");
+    }
     cpm_progress_begin(context);
     cpm_progress(context, "trace", 0.0);
     cpm_status status = cpm_pass_begin_with(context, scene, &options, request->wavelengths, bins, &pass);

@@ -126,8 +126,9 @@ class Photons:
 
 
 def trace_photons(scene: Scene, photons: int | None = None, *, seed: int | None = None,
-                  wavelengths: npt.ArrayLike | None = None, projection: bool = True, threads: int = 0, batch: int = 0,
-                  progress: ProgressLike = False, backend: str = "native", precision: str = "double") -> Photons:
+                  wavelengths: npt.ArrayLike | None = None, projection: bool = True,
+                  bundle_tolerance: float | None = None, threads: int = 0, batch: int = 0, progress: ProgressLike = False,
+                  backend: str = "native", precision: str = "double") -> Photons:
     """Emit photons, follow them along their curves, store them.
 
     Parameters
@@ -141,6 +142,8 @@ def trace_photons(scene: Scene, photons: int | None = None, *, seed: int | None 
         Bin centres, nm. Default: the scene's, else 16 bins of 400–700 nm.
     projection : bool
         Emit only where something may be hit (unbiased all the same).
+    bundle_tolerance : float, optional
+        As in :func:`cpm.render`, for 150 photons. Default: the scene's, else 0.1; 0: each wavelength goes its own way.
     threads, batch : int
         0: chosen.
     progress : bool or callable
@@ -160,10 +163,12 @@ def trace_photons(scene: Scene, photons: int | None = None, *, seed: int | None 
     if not isinstance(scene, Scene):
         raise TypeError(f"scene is {scene!r}; a cpm.Scene is needed")
     require_native(backend, precision)
-    settings = resolve(scene.render_defaults, photons=photons, seed=seed, wavelengths=wavelengths)
+    settings = resolve(scene.render_defaults, photons=photons, seed=seed, wavelengths=wavelengths,
+                       bundle_tolerance=bundle_tolerance)
     with reporting(progress) as report:
         handle = _core.trace_photons(scene=scene._use(), photons=settings.photons, seed=settings.seed,
                                      wavelengths=settings.wavelengths, projection=bool(projection),
+                                     bundle_tolerance=settings.bundle_tolerance,
                                      batch=as_integer(batch, "batch", 0, MAX_BATCH),
                                      threads=as_integer(threads, "threads", 0, 1024), progress=report)
     return Photons(handle, settings.wavelengths)

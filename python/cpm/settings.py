@@ -11,7 +11,7 @@ from . import _core
 from ._arrays import FloatArray, as_array, as_integer, as_number, bin_centers
 
 #: The core's bounds.
-MAX_NEAREST, MAX_SAMPLES, MAX_BATCH = 1_000_000, 1 << 20, 1 << 20
+MAX_NEAREST, MAX_SAMPLES, MAX_BATCH, MAX_BUNDLE_TOLERANCE = 1_000_000, 1 << 20, 1 << 20, 100.0
 
 __all__ = ["RenderSettings", "as_wavelengths", "resolve"]
 
@@ -31,6 +31,8 @@ class RenderSettings:
         Eye rays a pixel.
     seed : int, default 0
     max_radius : float, metres
+    bundle_tolerance : float, default 0.1
+        Pixels, and radii of an estimate: where a medium disperses, wavelengths nearer than that share one path.
     """
 
     size: Any = None
@@ -40,6 +42,7 @@ class RenderSettings:
     samples: Any = None
     seed: Any = None
     max_radius: Any = None
+    bundle_tolerance: Any = None
 
 
 @dataclass(frozen=True)
@@ -54,9 +57,11 @@ class Resolved:
     samples: int
     seed: int
     max_radius: float
+    bundle_tolerance: float
 
 
-_DEFAULTS = RenderSettings(size=(400, 300), photons=3_000_000, nearest=150, samples=1, seed=0, max_radius=0.0)
+_DEFAULTS = RenderSettings(size=(400, 300), photons=3_000_000, nearest=150, samples=1, seed=0, max_radius=0.0,
+                           bundle_tolerance=0.1)
 
 
 def as_wavelengths(value: Any) -> FloatArray:
@@ -81,6 +86,13 @@ def as_wavelengths(value: Any) -> FloatArray:
     return np.ascontiguousarray(centers)
 
 
+def _tolerance(value: Any) -> float:
+    tolerance = as_number(value, "bundle_tolerance")
+    if not 0 <= tolerance <= MAX_BUNDLE_TOLERANCE:
+        raise ValueError(f"bundle_tolerance is {tolerance:g}; 0 to {MAX_BUNDLE_TOLERANCE:g} are allowed")
+    return tolerance
+
+
 def resolve(defaults: RenderSettings, **asked: Any) -> Resolved:
     """What to run: each argument that is not None, else the scene's default, else the package's."""
     unknown = set(asked) - {field.name for field in fields(RenderSettings)}
@@ -103,4 +115,5 @@ def resolve(defaults: RenderSettings, **asked: Any) -> Resolved:
         samples=as_integer(values["samples"], "samples", 1, MAX_SAMPLES),
         seed=as_integer(values["seed"], "seed", 0, 2**64 - 1),
         max_radius=as_number(values["max_radius"], "max_radius"),
+        bundle_tolerance=_tolerance(values["bundle_tolerance"]),
     )

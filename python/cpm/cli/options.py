@@ -46,6 +46,9 @@ Nearest = Annotated[int | None, typer.Option("--nearest", metavar="K", help="Pho
                                              show_default="the scene's")]
 Samples = Annotated[int | None, typer.Option("--samples", metavar="N", help="Eye rays a pixel.",
                                              show_default="the scene's")]
+BundleTolerance = Annotated[float | None, typer.Option(
+    "--bundle-tolerance", metavar="F", show_default="the scene's", help="Pixels, and radii of an estimate: where a medium "
+    "disperses, wavelengths nearer than that share one path. 0: none do.")]
 Backend = Annotated[str, typer.Option("--backend", metavar="NAME", help="native.")]
 Precision = Annotated[str, typer.Option("--precision", metavar="NAME", help="double.")]
 Seed = Annotated[int | None, typer.Option("--seed", metavar="N", help="Of the random numbers.",

@@ -10,7 +10,7 @@ from .report import print_stats
 def render(scene: options.Scene, output: options.Outputs = None, photons: options.PhotonCount = None,
            nearest: options.Nearest = None, size: options.Size = None, samples: options.Samples = None,
            backend: options.Backend = "native", precision: options.Precision = "double", seed: options.Seed = None,
-           threads: options.Threads = 0, exposure: options.Exposure = None, white: options.White = None,
+           bundle_tolerance: options.BundleTolerance = None, threads: options.Threads = 0, exposure: options.Exposure = None, white: options.White = None,
            quiet: options.Quiet = False) -> None:
     """Render a scene to spectral EXR and PNG."""
     outputs = options.outputs_or_default(output, scene)
@@ -18,7 +18,7 @@ def render(scene: options.Scene, output: options.Outputs = None, photons: option
         raise ValueError(f"--exposure is {exposure:g}; it must be > 0")
     image = render_scene(options.load_for_picture(scene), size=size, photons=photons, nearest=nearest,
                          samples=samples, seed=seed, backend=backend, precision=precision, threads=threads,
-                         progress=not quiet)
+                         bundle_tolerance=bundle_tolerance,                         progress=not quiet)
     save_all(image, outputs, exposure=exposure, white=white)
     if not quiet:
         print_stats(image.stats, outputs)

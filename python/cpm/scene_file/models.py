@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag, model_validator
 from pydantic_core import PydanticCustomError
 
-from ..settings import MAX_NEAREST, MAX_SAMPLES
+from ..settings import MAX_BUNDLE_TOLERANCE, MAX_NEAREST, MAX_SAMPLES
 
 
 class Table(BaseModel):
@@ -500,6 +500,7 @@ class RenderTable(Table):
     samples: Annotated[Integer, Field(ge=1, le=MAX_SAMPLES)] | None = None
     seed: Annotated[Integer, Field(ge=0, le=2**63 - 1)] | None = None
     max_radius: Positive | None = None
+    bundle_tolerance: Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0, le=MAX_BUNDLE_TOLERANCE)] | None = None
 
 
 class IntegratorTable(Table):
