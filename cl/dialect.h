@@ -164,7 +164,7 @@ static inline int any_lane(mask m) {
     for (int i = 0; i < CPM_WIDTH; i++) any |= m[i];
     return any != 0;
 }
-static inline real root(real x) { /* -fno-math-errno makes it one vector instruction */
+CPM_ALWAYS_INLINE real root(real x) { /* -fno-math-errno makes it one vector instruction */
     for (int i = 0; i < CPM_WIDTH; i++) x[i] = CPM_SINGLE ? (scalar)sqrtf((float)x[i]) : (scalar)sqrt((double)x[i]);
     return x;
 }

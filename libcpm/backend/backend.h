@@ -2,7 +2,8 @@
  * shares, projection maps' weights, film, files) is shared code above it.
  *
  * `native` (backend/native) runs threads over Embree. `opencl` (backend/opencl) runs the kernels of cl/ on a device.
- * One source for the physics: what either does to one item is in cl/shared. A pass's results depend on its arguments alone, not on the backend's threads or batches. */
+ * One source for the physics: what either does to one item is in cl/shared. A pass's results depend on its arguments
+ * alone, not on the backend's threads or batches. */
 #ifndef CPM_BACKEND_H
 #define CPM_BACKEND_H
 #include "photon/photons.h"
@@ -10,6 +11,8 @@
 
 typedef struct cpm_backend {
     const char *name;
+    /* Rays to the first surface or boundary that each meets, as those of projection maps. */
+    cpm_status (*follow)(const cpm_pass *pass, const cpm_flight *flights, size_t count, cpm_arrival *arrivals);
     /* Photon pass: paths [0, photons) of the emitters, into a store for each population and the energy table
      * (CPM_ENERGY_ROWS x bins, over the scale). `batch` 0: chosen. */
     cpm_status (*photons)(const cpm_pass *pass, const cpm_emitter *emitters, size_t emitter_count, uint64_t photons,

@@ -159,7 +159,7 @@ static void follow_now(viewer *v, int32_t depth) {
 static void follow_now_in_bundles(viewer *v, int32_t depth) {
     const gaze *now = &v->now;
     cpm_bundles *b = &v->bundles;
-    if (!cpm_follow_bundles(b, v->pass, CPM_BUNDLES_OF_EYE, now->flights, now->leeways, now->count)) {
+    if (!cpm_follow_bundles(b, v->pass, CPM_BUNDLES_OF_EYE, now->flights, now->leeways, now->count, NULL)) {
         v->failed = 1;
         return;
     }

@@ -12,6 +12,7 @@ typedef struct cpm_follow_options {
     int64_t max_evaluations; /* 0: default */
     double max_step;         /* metres, of integrated rays; 0: the pass's */
     double far;              /* metres beyond which a straight ray is of no interest; it has LEFT there */
+    double longest;          /* metres of arc beyond which a bent path is of no interest, likewise; 0: no bound */
     cpm_piece_sink sink;     /* NULL: pieces are not kept */
     void *user;
 } cpm_follow_options;

@@ -22,5 +22,9 @@ void cpm_follow_exact(const cpm_pass *pass, const cpm_flight *flight, const cpm_
         if (options->sink) options->sink(options->user, number, &way.piece, way.degree, theta < 0.0 ? 1.0 : theta);
         if (theta >= 0.0 || arrival->status == CPM_RAY_HIT) cpm_add_length(arrival, &way.piece, way.degree, theta);
         if (world_exact_after(&way, theta, arrival)) return;
+        if (cpm_beyond(options, arrival->length)) {
+            arrival->status = CPM_RAY_LEFT;
+            return;
+        }
     }
 }

@@ -76,6 +76,8 @@ static void end_lane_step(lane_queue *q, int lane) {
         arrival->hit.position = cpm_v(rays->r[0][lane], rays->r[1][lane], rays->r[2][lane]);
         arrival->direction = cpm_unit(cpm_v(rays->p[0][lane], rays->p[1][lane], rays->p[2][lane]));
         arrival->length = rays->length[lane];
+        if (rays->status[lane] < 0 && q->options && cpm_beyond(q->options, arrival->length))
+            rays->status[lane] = CPM_RAY_LEFT;
     }
     if (rays->status[lane] >= 0) {
         arrival->status = (int32_t)rays->status[lane];

@@ -7,6 +7,11 @@
 /* The arrival's length, at theta of its last piece. */
 void cpm_add_length(cpm_arrival *arrival, const cpm_piece *piece, int degree, double theta);
 
+/* Has a path gone so far that its rest is of no interest? With a margin: lengths are found by two ways. */
+static inline int cpm_beyond(const cpm_follow_options *options, double length) {
+    return options->longest > 0.0 && length > options->longest * (1.0 + 1e-6);
+}
+
 /* follow_exact.c: one flight by its closed form; `number` is for the sink. */
 void cpm_follow_exact(const cpm_pass *pass, const cpm_flight *flight, const cpm_follow_options *options, size_t number,
                       cpm_arrival *arrival);
