@@ -171,7 +171,7 @@ static void follow_now_in_bundles(viewer *v, int32_t depth) {
         const cpm_leeway leeway = cpm_leeway_after(&now->leeways[p->from], &flight, &p->arrival);
         flight.bin = p->bin;
         const glance g = {&flight, &p->arrival, &now->weights[p->from * v->pass->bins + before], now->pixels[p->from],
-                          depth, leeway};
+                          depth,   leeway};
         see(v, &g);
     }
 }
