@@ -10,6 +10,7 @@ caches in a process of their own.
 
 import argparse
 import os
+import resource
 import subprocess
 import sys
 import tempfile
@@ -25,8 +26,8 @@ BACKENDS = ("native", "opencl")
 HOMOGENEOUS_ROOM = ("start_delta", "follow_straight", "meet", "eye", "eye_gather")
 #: One render of nothing much, in a process of its own: what is left is starting and building.
 TINY = (
-    "import sys, time, cpm; s = cpm.load_scene(sys.argv[1]); a = time.perf_counter(); "
-    "cpm.render(s, size=(2, 2), photons=64, nearest=4, backend=sys.argv[2]); print(time.perf_counter() - a)"
+    "import sys, cpm; "
+    "cpm.render(cpm.load_scene(sys.argv[1]), size=(2, 2), photons=64, nearest=4, backend=sys.argv[2])"
 )
 
 
@@ -69,16 +70,15 @@ def rays(count, precision):
 
 
 def builds(scene):
-    """Seconds that programs take from empty caches, and from full ones, beyond the native backend's start."""
+    """Processor seconds that programs take from empty caches, and from full ones, beyond the native backend's start."""
     with tempfile.TemporaryDirectory() as folder:
         env = {**os.environ, "CPM_CACHE_DIR": folder, "POCL_CACHE_DIR": folder}
 
         def run(backend):
-            return float(
-                subprocess.run(
-                    [sys.executable, "-c", TINY, scene, backend], env=env, capture_output=True, text=True, check=True
-                ).stdout
-            )
+            before = resource.getrusage(resource.RUSAGE_CHILDREN)
+            subprocess.run([sys.executable, "-c", TINY, scene, backend], env=env, check=True)
+            after = resource.getrusage(resource.RUSAGE_CHILDREN)
+            return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
         native = min(run("native") for _ in range(3))
         return run("opencl") - native, min(run("opencl") for _ in range(3)) - native
@@ -142,8 +142,8 @@ def main():
         judge("eye pass, OpenCL over native", ratio["eye pass"], 1.2),
         judge("rays without geometry, double, native over OpenCL", 1 / ratio["rays, double"], 0.6, at_most=False),
         judge("rays without geometry, single, native over OpenCL", 1 / ratio["rays, single"], 0.6, at_most=False),
-        judge("cold build of the curved room's programs, s", cold, 5.0, note="clock; on a busy machine more"),
-        judge("warm start, s", warm, 0.2, note="clock; on a busy machine more"),
+        judge("cold build of the curved room's programs, s", cold, 5.0, note="of the processor"),
+        judge("warm start, s", warm, 0.2, note="of the processor"),
         judge("source of the homogeneous diffuse room over that of all kernels", room / full, 0.4),
     ]
     figure, axes = new_figure(1, 1, (6, 4.5))
