@@ -60,13 +60,19 @@
 #define CPM_RKN6_FIRST 4.0 /* rtol^(1/8) of the curvature's radius: the first step */
 #define CPM_RKN8_FIRST 5.0
 /* 12(10), measured on other rays too (bench/rays.py --held-out) */
-#define CPM_RKN12_FROM 1e-6      /* rtol below which it is the cheaper on long ways */
+#define CPM_RKN12_FROM 1e-6 /* rtol below which it is the cheaper on long ways */
+#define CPM_RKN8_COST 8.0
 #define CPM_RKN12_COST 17.0      /* evaluations an attempt */
 #define CPM_RKN12_LONGER 3.0     /* its steps over those of 8(6) */
 #define CPM_RKN12_LEFT (2.0 / 3) /* of its step: what is left of a way is 8(6)'s, two steps of it at the most */
 #define CPM_RKN12_LENIENT 0.5    /* rtol^(-1/8) */
-#define CPM_RKN_GROW 2.0         /* growth of the drift that a step may have, in rtol cos a */
-#define CPM_UNKNOWN 100.0        /* of a ratio's log2: larger than any */
+/* 1/leniency: of the square of h x momentum's estimate over the quintic's (8(6)), or of that itself (12(10)) */
+#define CPM_RKN8_ROUGH 100.0
+#define CPM_RKN8_ROUGH_TABLE 1e4
+#define CPM_RKN12_ROUGH 1e6
+#define CPM_RKN_STRICT 30.0
+#define CPM_RKN_GROW 2.0                         /* growth of the drift that a step may have, in rtol cos a */
+#define CPM_UNKNOWN 100.0                        /* of a ratio's log2: larger than any */
 #define CPM_INFINITE (CPM_SINGLE ? 1e38 : 1e300) /* stands for infinity in h, limit, target: no NaN from arithmetic */
 
 /* What follows from rtol and the method. */
@@ -82,7 +88,7 @@ CPM_INLINE void cpm_step_control_set(cpm_step_control *c) {
     if (c->method == CPM_STEP_ADAMS) c->cost = 2.0, c->first = 3.0 * cpm_sqrt(c->rtol);
     if (c->order == 6) c->cost = 5.0, c->lenient = CPM_RKN6_LENIENT / quarter, c->first = CPM_RKN6_FIRST * eighth;
     if (c->order == 8)
-        c->cost = 8.0, c->exponent = 1.0 / 6.0, c->lenient = CPM_RKN8_LENIENT / quarter,
+        c->cost = CPM_RKN8_COST, c->exponent = 1.0 / 6.0, c->lenient = CPM_RKN8_LENIENT / quarter,
         c->first = CPM_RKN8_FIRST * eighth;
     c->grow = c->method == CPM_STEP_NYSTROM ? CPM_RKN_GROW : 0.5;
     if (c->lenient < 1.0) c->lenient = 1.0;
@@ -234,9 +240,11 @@ CPM_INLINE real cpm_step_factor(real exponent, real ratio, real before, real lon
 /* What an attempt starts with: the current point, how far it may go, and whether it ends or starts at a kink. */
 typedef struct {
     cpm_point at;
-    real own, h, evaluations;             /* the controller's sigma, the one that is tried; evaluations so far */
-    real cost, exponent, lenient, before; /* of the pair that the lane takes; log2 of the ratio of the step before */
-    mask high;                            /* it is 12(10) */
+    real own, h;            /* the controller's sigma, the one that is tried */
+    real cost;              /* evaluations, one beyond a kink among them */
+    real exponent, lenient; /* of the pair that the lane takes (cpm_step_control) */
+    real before;            /* log2 of the ratio at the step before; CPM_UNKNOWN */
+    mask high;              /* that pair is 12(10) */
     mask going, to_kink, at_kink;
 } cpm_attempt;
 
@@ -249,7 +257,8 @@ CPM_INLINE void cpm_choose_pair(cpm_lane_rays *rays, int part, real bound, cpm_a
     mask change = a->high ^ was;
     a->own = pick(change, pick(a->high, longer, R(1.0) / longer) * a->own, a->own);
     a->before = pick(change, splat(CPM_UNKNOWN), a->before);
-    a->cost = pick(a->high, splat(CPM_RKN12_COST), a->cost), a->exponent = pick(a->high, splat(0.1), a->exponent);
+    a->cost = pick(a->high, a->cost + R(CPM_RKN12_COST - CPM_RKN8_COST), a->cost),
+    a->exponent = pick(a->high, splat(0.1), a->exponent);
     a->lenient = pick(a->high, splat(CPM_RKN12_LENIENT) * root(a->lenient), a->lenient);
     store_doubles(pick(a->going, pick(a->high, splat(1.0), splat(0.0)), load_doubles(rays->order, part)), rays->order,
                   part);
@@ -276,12 +285,13 @@ CPM_INLINE real cpm_kink_on(const cpm_medium_data *m, const cpm_lane_rays *rays,
 }
 
 CPM_INLINE cpm_attempt cpm_prepare(const cpm_step_control *c, const cpm_medium_data *m, CPM_GLOBAL const double *table,
-                                   cpm_lane_rays *rays, int part, mask going, real evaluations, int kinks) {
+                                   cpm_lane_rays *rays, int part, mask going, int kinks) {
     cpm_attempt a;
     a.at.r = load3_doubles(rays->r, part), a.at.p = load3_doubles(rays->p, part), a.at.g = load3_doubles(rays->g, part);
     a.at.n = load_doubles(rays->n, part), a.at.scale = load_doubles(rays->scale, part);
-    a.own = load_doubles(rays->h, part), a.evaluations = evaluations;
+    a.own = load_doubles(rays->h, part);
     a.going = going, a.to_kink = a.at_kink = splat_mask(0);
+    a.cost = splat(c->cost);
     const real inverse_n = R(1.0) / a.at.n, length = load_doubles(rays->length, part);
     const real remaining = load_doubles(rays->target, part) - length;
     real bound = cpm_aim(&a.at, inverse_n, remaining);
@@ -297,17 +307,17 @@ CPM_INLINE cpm_attempt cpm_prepare(const cpm_step_control *c, const cpm_medium_d
             real ignored;
             real3 beyond = cpm_beyond_kink(m, table, c->rtol, &a.at);
             a.at.g = pick3(at_kink, cpm_field(m, table, beyond, a.at.scale, &ignored), a.at.g);
-            a.evaluations = pick(at_kink, evaluations + R(1.0), evaluations);
+            a.cost = pick(at_kink, a.cost + R(1.0), a.cost);
         }
         real kink = cpm_next_kink(m, table, c->rtol, &a.at, &near);
         kink = pick(at_kink, kink, cpm_kink_on(m, rays, part, c->rtol, &a.at, kink));
         a.to_kink = less(kink, smaller(a.own, bound)) & less(R(1e-7) * a.own, kink); /* or steps would die out */
         bound = pick(a.to_kink, kink, bound);
     }
-    a.cost = splat(c->cost), a.exponent = splat(c->exponent), a.lenient = splat(c->lenient);
+    a.exponent = splat(c->exponent), a.lenient = splat(c->lenient);
     a.before = load_doubles(rays->previous, part);
     a.high = splat_mask(0);
-    if (c->high && !cpm_is_singular(m)) cpm_choose_pair(rays, part, bound, &a);
+    if (c->high && !cpm_is_singular(m) && !cpm_is_table(m)) cpm_choose_pair(rays, part, bound, &a);
     a.h = smaller(a.own, bound);
     return a;
 }
@@ -324,8 +334,24 @@ typedef struct {
     mask usable, worth; /* finite, n > 0; within the tolerance */
 } cpm_verdict;
 
-CPM_INLINE cpm_verdict cpm_judge(const cpm_step_control *c, const cpm_medium_data *m, const cpm_lane_rays *rays,
-                                 int part, const cpm_attempt *a, const cpm_trial *t) {
+/* How much larger than the tolerance nystrom's estimate may be, lane by lane. The embedded result of 8(6) and 12(10) is
+ * far worse than the other in smooth fields only: across a knot, where the third derivative of n jumps, both have
+ * errors of one size. There the estimate of the momentum, h p, comes near what the quintic lacks (trial.curve): 0.05 to
+ * 0.08 of it with 8(6), 0.005 to 0.009 with 12(10), against 4e-3 (falling as h^2) and 1e-7 in smooth fields, by
+ * experiment on both. So leniency ends there. In tables, whose knots are everywhere, it is less than 1: their errors
+ * add up at random. Near a centre high orders are far from their asymptotes: the estimate is taken at its word. */
+CPM_INLINE real cpm_nystrom_lenient(const cpm_step_control *c, const cpm_medium_data *m, const cpm_attempt *a,
+                                    const cpm_trial *t) {
+    if (cpm_is_singular(m)) return splat(1.0);
+    if (c->order != 8) return a->lenient;
+    const int table = cpm_is_table(m);
+    real rough = a->h * root(t->error_momentum2) / (t->curve + R(1e-30));
+    rough = rough * pick(a->high, splat(CPM_RKN12_ROUGH), R(table ? CPM_RKN8_ROUGH_TABLE : CPM_RKN8_ROUGH) * rough);
+    return a->lenient / larger(splat(1.0), a->lenient * smaller(rough, splat(table ? CPM_RKN_STRICT : 1.0)));
+}
+
+CPM_INLINE cpm_verdict cpm_judge(const cpm_step_control *c, const cpm_medium_data *m, CPM_GLOBAL const double *table,
+                                 const cpm_lane_rays *rays, int part, const cpm_attempt *a, const cpm_trial *t) {
     const real zero = splat(0.0), one = splat(1.0), n_start = load_doubles(rays->n_start, part);
     const real3 p = t->end.p, push = sub3(p, a->at.p);
     const real per_square = one / (t->end.n * t->end.n), size = dot3(p, p);
@@ -348,16 +374,16 @@ CPM_INLINE cpm_verdict cpm_judge(const cpm_step_control *c, const cpm_medium_dat
     v.far = magnitude(t->end.r.x) + magnitude(t->end.r.y) + magnitude(t->end.r.z);
 
     /* What the tolerance and rounding allow. */
-    real steep = magnitude(t->end.g.x) + magnitude(t->end.g.y) + magnitude(t->end.g.z);
-    real noise = R(10.0 * CPM_ROUNDING) * (one + (larger(n_start * n_start, one) + v.far * steep) * weight);
+    real slope =
+        magnitude(t->end.r.x * t->end.g.x) + magnitude(t->end.r.y * t->end.g.y) + magnitude(t->end.r.z * t->end.g.z);
+    real noise = R(10.0 * CPM_ROUNDING) * (one + (larger(n_start * n_start, one) + slope) * weight);
     v.blurred = less(splat(CPM_NOISE), noise);
-    noise += cpm_kink_noise(m, c->rtol, t->end.r);
+    noise += cpm_kink_noise(m, table, c->rtol, t->end.r);
     real along = dot3(push, p); /* no push at all: a = 90 degrees, the strictest */
     real slant = log2_rough(along * along) - log2_rough(dot3(push, push) * size + R(1e-30));
     slant = exp2_rough(smaller(larger(R(0.5) * slant, splat(-5.0)), zero)); /* cos a, 0.03 to 1 */
     const double rtol = fmax(c->rtol, CPM_LEAST_RTOL);
-    /* near a centre high orders are far from their asymptotes: the estimate is taken at its word */
-    const real lenient = c->method == CPM_STEP_NYSTROM && cpm_is_singular(m) ? splat(1.0) : a->lenient;
+    const real lenient = c->method == CPM_STEP_NYSTROM ? cpm_nystrom_lenient(c, m, a, t) : a->lenient;
     real may_off = (lenient * R(rtol) + R(0.1) * noise) * t->way, may_grow = R(c->grow * rtol) * slant + noise;
     if (c->atol > 0.0) {
         real expected = load_doubles(rays->expected, part);
@@ -365,7 +391,7 @@ CPM_INLINE cpm_verdict cpm_judge(const cpm_step_control *c, const cpm_medium_dat
         may_off += lenient * R(c->atol) * share;
     }
     real ratio = larger(v.off * may_grow, v.growth * may_off) / (may_off * may_grow);
-    ratio = larger(ratio, v.turn / (lenient * R(rtol)));
+    ratio = larger(ratio, v.turn / (lenient * R(rtol) + R(0.1) * noise));
     if (c->dense) ratio = larger(ratio, R(1.0 / 64) * t->dense * lenient / may_off);
     v.usable = t->good & (less(zero, t->way) | v.turned) & less(v.far, splat(CPM_FAR)) & at_most(ratio, splat(1e12));
     v.worth = c->step > 0.0 ? ~splat_mask(0) : at_most(ratio, one);
@@ -412,7 +438,7 @@ CPM_INLINE void cpm_trial_take(cpm_trial *t, const cpm_trial *other, mask from) 
     t->error_position2 = pick(from, other->error_position2, t->error_position2);
     t->error_way = pick(from, other->error_way, t->error_way);
     t->error_momentum2 = pick(from, other->error_momentum2, t->error_momentum2);
-    t->dense = pick(from, other->dense, t->dense);
+    t->dense = pick(from, other->dense, t->dense), t->curve = pick(from, other->curve, t->curve);
     t->good = pick_mask(from, other->good, t->good);
 }
 
@@ -466,7 +492,6 @@ CPM_INLINE void cpm_keep(cpm_lane_rays *rays, int part, int method, const cpm_at
     CPM_KEEP(length, length + t->way);
     CPM_KEEP(optical_path, path + t->path);
 #endif
-    CPM_KEEP(steps, load_doubles(rays->steps, part) + R(1.0));
     CPM_KEEP(drift_now, v->drift);
     CPM_KEEP(drift, larger(load_doubles(rays->drift, part), v->drift));
     CPM_KEEP(error, load_doubles(rays->error, part) + v->off + error_turn * t->way);
@@ -479,6 +504,15 @@ CPM_INLINE void cpm_keep(cpm_lane_rays *rays, int part, int method, const cpm_at
 #undef CPM_KEEP
     store_flags(a->to_kink & accepted, rays->at_kink, part);
     store_flags(accepted, rays->accepted, part);
+}
+
+/* Adds to a count: in double, for floats stop at 2^24. */
+CPM_INLINE void cpm_count(double *count, int part, real more) {
+#if CPM_SINGLE
+    store_broad(load_broad(count, part) + to_broad(more), count, part);
+#else
+    store_doubles(load_doubles(count, part) + more, count, part);
+#endif
 }
 
 /* The methods beside which the others' code is not to grow. */
@@ -511,12 +545,12 @@ CPM_INLINE void cpm_lanes_attempt_part(const cpm_step_control *c, const cpm_medi
     mask status = load_flags(rays->status, part), going = less(status, splat_mask(0));
     store_flags(splat_mask(0), rays->accepted, part);
     if (!any_lane(going)) return;
-    real evaluations = load_doubles(rays->evaluations, part);
+    const real evaluations = load_doubles(rays->evaluations, part);
     mask spent = going & less(splat(c->max_evaluations - (c->high ? CPM_RKN12_COST : c->cost) - kinks), evaluations);
     status = pick_mask(spent, splat_mask(CPM_ENDED_EXHAUSTED), status);
     going &= ~spent;
 
-    const cpm_attempt a = cpm_prepare(c, m, table, rays, part, going, evaluations, kinks);
+    const cpm_attempt a = cpm_prepare(c, m, table, rays, part, going, kinks);
     cpm_trial t;
     if (CPM_IS_METHOD(c, CPM_STEP_EULER))
         t = cpm_step_euler(m, table, &a.at, a.h);
@@ -531,7 +565,7 @@ CPM_INLINE void cpm_lanes_attempt_part(const cpm_step_control *c, const cpm_medi
             sub3(sub3(t.end.r, a.at.r), scale3(a.h, a.at.p)); /* these say where they end, not how they get there */
         t.push = sub3(t.end.p, a.at.p);
     }
-    cpm_verdict v = cpm_judge(c, m, rays, part, &a, &t);
+    cpm_verdict v = cpm_judge(c, m, table, rays, part, &a, &t);
     mask accepted = going & v.usable & v.worth, refused = going & ~accepted;
     cpm_plan(c, rays, part, &a, &v, accepted);
 
@@ -545,11 +579,11 @@ CPM_INLINE void cpm_lanes_attempt_part(const cpm_step_control *c, const cpm_medi
     if (c->method == CPM_STEP_RK4 || c->method >= CPM_STEP_LEAPFROG)
         v.turn = magnitude(v.growth); /* no estimate of its own */
     cpm_keep(rays, part, c->method, &a, &t, &v, accepted, piece_h);
+    cpm_count(rays->steps, part, pick(accepted, one, zero));
+    cpm_count(rays->rejected, part, pick(refused, one, zero));
+    cpm_count(rays->evaluations, part, pick(going, a.cost, zero));
     real running = pick(accepted, zero, load_doubles(rays->refused, part) + one);
-    real rejected = load_doubles(rays->rejected, part);
     store_doubles(running, rays->refused, part);
-    store_doubles(pick(refused, rejected + one, rejected), rays->rejected, part);
-    store_doubles(pick(going, a.evaluations + a.cost, a.evaluations), rays->evaluations, part);
 
     /* Does it end? */
     real3 moved = sub3(t.end.r, a.at.r);
