@@ -69,7 +69,7 @@
 /* 1/leniency: of the square of h x momentum's estimate over the quintic's (8(6)), or of that itself (12(10)) */
 #define CPM_RKN8_ROUGH 100.0
 #define CPM_RKN8_ROUGH_TABLE 1e4
-#define CPM_RKN12_ROUGH 1e6
+#define CPM_RKN12_ROUGH 1e4
 #define CPM_RKN_STRICT 30.0
 #define CPM_RKN_GROW 2.0                         /* growth of the drift that a step may have, in rtol cos a */
 #define CPM_UNKNOWN 100.0                        /* of a ratio's log2: larger than any */

@@ -91,16 +91,25 @@ CPM_INLINE double cpm_aim_at_plane(const cpm_lane_rays *rays, int i, const cpm_r
     return theta > 1.0 ? (theta - 1.0) * piece.h : sigma; /* also NaN */
 }
 
-/* A tenth of what the tolerance allows at theta, metres (of rounding where steps are fixed, so that each method shows
- * its order). */
-CPM_INLINE double cpm_dense_may(const cpm_step_control *c, const cpm_lane_rays *rays, int i, double theta) {
-    double length = rays->length0[i] + theta * (rays->length[i] - rays->length0[i]);
-    return c->step > 0.0 ? 10.0 * CPM_ROUNDING * length : 0.1 * (c->rtol * length + c->atol);
+/* An error of position `off` (metres) and one of direction `turn` at theta, over a tenth of what the tolerance allows
+ * (of rounding where steps are fixed, so that each method shows its order). */
+CPM_INLINE double cpm_excess(const cpm_step_control *c, const cpm_lane_rays *rays, int i, double theta, double off,
+                             double turn) {
+    const double length = rays->length0[i] + theta * (rays->length[i] - rays->length0[i]);
+    const double rtol = c->step > 0.0 ? 100.0 * CPM_ROUNDING : c->rtol;
+    return fmax(10.0 * off / (rtol * length + (c->step > 0.0 ? 0.0 : c->atol)), 10.0 * turn / rtol);
 }
-/* The error of the quintic at theta, as far as it is known, over that. */
+
+/* The same of the quintic, as far as its error is known: u^3 of `dense`, and in the slope its derivative. */
 CPM_INLINE double cpm_dense_excess(const cpm_step_control *c, const cpm_lane_rays *rays, int i, double theta) {
-    double u = theta * (1.0 - theta);
-    return rays->dense[i] * fabs(u * u * u) / cpm_dense_may(c, rays, i, theta);
+    const double u = theta * (1.0 - theta), off = rays->dense[i] * fabs(u * u * u);
+    return cpm_excess(c, rays, i, theta, off, 3.0 * u * u * rays->dense[i] / (rays->piece_h[i] * rays->n[i]));
+}
+
+/* What cpm_polish leaves unsure over a way of x pieces: 10 dense |x|^q, q = 5 for its fourth order, 7 for its sixth. */
+CPM_INLINE double cpm_polish_excess(const cpm_step_control *c, const cpm_lane_rays *rays, int i, double x, int sixth) {
+    const double x2 = x * x, turn = 10.0 * rays->dense[i] * x2 * x2 * (sixth ? x2 : 1.0);
+    return cpm_excess(c, rays, i, 1.0, turn * fabs(x), turn / (rays->piece_h[i] * rays->n[i]));
 }
 
 /* Takes the last step of lane i back, to be tried again with the sigma that ends at theta of it. */
@@ -112,13 +121,6 @@ CPM_INLINE void cpm_step_back(cpm_lane_rays *rays, int i, double theta) {
     rays->limit[i] = theta * rays->piece_h[i];
     rays->accepted[i] = 0;
     rays->kept[i] = 0.0; /* the past has moved on: begin anew */
-}
-
-/* What cpm_polish leaves unsure of a way of sigma, metres: 10 dense |x|^q, x in steps of the piece; q = 5 for its
- * fourth order, 7 for its sixth. */
-CPM_INLINE double cpm_polish_error(const cpm_lane_rays *rays, int i, double x, int sixth) {
-    double x2 = x * x;
-    return 10.0 * rays->dense[i] * x2 * x2 * fabs(x) * (sixth ? x2 : 1.0);
 }
 
 /* n and g at r, of one ray. */
@@ -300,9 +302,8 @@ CPM_INLINE void cpm_trace_range(const cpm_step_control *c, const cpm_medium_data
             cpm_lanes_piece(&rays, i, &piece);
             if (rays.accepted[i]) theta = cpm_landing(&piece, plane, length[i], aimed);
             const int poor = aware && theta != CPM_NO_ROOT && cpm_dense_excess(c, &rays, i, theta) > 1.0;
-            const double may = poor ? cpm_dense_may(c, &rays, i, theta) : 0.0;
-            const int sixth = poor && cpm_polish_error(&rays, i, theta - 1.0, 0) > may;
-            const int rough = sixth && !(c->step > 0.0) && cpm_polish_error(&rays, i, theta - 1.0, 1) > may;
+            const int sixth = poor && cpm_polish_excess(c, &rays, i, theta - 1.0, 0) > 1.0;
+            const int rough = sixth && !(c->step > 0.0) && cpm_polish_excess(c, &rays, i, theta - 1.0, 1) > 1.0;
             if (poor && (rough || theta < 1.0 - CPM_LANDING) && theta < 1.0 && theta > 1e-3 && rays.status[i] < 0) {
                 cpm_step_back(&rays, i, theta);
                 continue;
