@@ -6,7 +6,7 @@
 #define CPM_PHOTON_PHOTONS_H
 #include <stdatomic.h>
 
-#include "backend/native/cross.h"
+#include "backend/native/bundles.h"
 #include "cl/types/photon.h"
 #include "photon/map.h"
 #include "photon/pass_lanes.h"
@@ -63,6 +63,13 @@ void cpm_emitters_free(cpm_emitter *emitters, size_t count);
  * flights, path numbers, and the weight of each one's power. `made` is scratch. */
 size_t cpm_emit(const cpm_pass *pass, const cpm_emitter *emitter, uint64_t path, size_t count, cpm_emissions *made,
                 cpm_flight *flights, uint32_t *paths, float *weights);
+
+/* Powers of a path of weight 1 that starts so, over the scale: bins, e->weight or `own` filled in. */
+const float *cpm_emit_spectrum(const cpm_pass *pass, const cpm_emitter *emitter, const cpm_flight *flight, float *own);
+
+/* How far apart bins of one path may be and go one way: the pass's tolerance of the circle that `nearest` paths of this
+ * light fill, one of them weighing `weight`, if nothing focuses them. */
+cpm_leeway cpm_emitter_leeway(const cpm_pass *pass, const cpm_emitter *emitter, float weight);
 
 /* trace.c: the pass itself, into per-population stores (opened here; the caller frees them, also on failure) and the
  * energy table (CPM_ENERGY_ROWS x bins, over the scale). */
