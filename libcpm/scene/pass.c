@@ -65,7 +65,7 @@ static void find_extent(cpm_pass *pass) {
 
 static int32_t method_of(const cpm_scene_options *o, const cpm_medium *medium) {
     return cpm_medium_needs_exact(medium) ? CPM_METHOD_EXACT
-                                          : cpm_method_in(medium, o->method, o->exclude, o->step, o->rtol);
+                                          : cpm_method_in(medium, o->method, o->exclude, o->step);
 }
 
 static cpm_way way_of(int32_t method, const cpm_medium *medium) {
