@@ -49,7 +49,12 @@ typedef struct cpm_emitter {
     cpm_projection projection; /* no cells: all directions alike */
     cpm_region region;         /* where a point or spot light sits */
     double *area;              /* area light: cumulative area of its triangles */
-    double power_factor;       /* area light: 1/mean n^2, so that a weight of 1 is the mean */
+    double power_factor;       /* area light: 1/mean n^2, so that a weight of 1 is the mean; far light: power of a path
+                                  over the scale, per radiance and m2 of the box's shadow */
+    size_t number;             /* of the light */
+    cpm_box box;               /* far light: what its paths cross first */
+    int32_t traced_back;       /* far light: what a path brings is found by tracing it back to the extent */
+    int32_t confined;          /* far light: paths that leave the box unscattered end there; see far.c */
 } cpm_emitter;
 
 /* project.c */
@@ -63,6 +68,15 @@ void cpm_emitters_free(cpm_emitter *emitters, size_t count);
  * flights, path numbers, and the weight of each one's power. `made` is scratch. */
 size_t cpm_emit(const cpm_pass *pass, const cpm_emitter *emitter, uint64_t path, size_t count, cpm_emissions *made,
                 cpm_flight *flights, uint32_t *paths, float *weights);
+
+/* far.c: suns and environments. A light's solid angle times the mean shadow of the box that its paths cross first times
+ * n^2 there: 0 where there is nothing to shine on. Fills the emitter's data. */
+cpm_status cpm_far_begin(const cpm_pass *pass, cpm_emitter *emitter, int32_t project, double *factor);
+/* Starts paths [path, path + count), count <= CPM_BLOCK: the number of flights made, one a path, or one a path and bin
+ * where the medium disperses; each with its path's number and its powers, pass->bins of them at i * bins, or the one of
+ * its bin there. `arrivals` is scratch; all hold CPM_BLOCK x bins. */
+size_t cpm_far_emit(const cpm_pass *pass, const cpm_emitter *emitter, uint64_t path, size_t count, cpm_emissions *made,
+                    cpm_flight *flights, cpm_arrival *arrivals, uint32_t *paths, float *powers);
 
 /* trace.c: the pass itself, into per-population stores (opened here; the caller frees them, also on failure) and the
  * energy table (CPM_ENERGY_ROWS x bins, over the scale). */

@@ -130,10 +130,23 @@ static void see_boundary(viewer *v, const glance *g, const cpm_arrival *a, const
     if (!passage.total) branch(v, g, &passage.transmitted, weights, 1.0 - passage.reflectance, NULL);
 }
 
+/* Suns and environments, in the direction in which the ray left. */
+static void see_sky(viewer *v, const glance *g, const cpm_arrival *a, const float *weights) {
+    const cpm_pass *pass = v->pass;
+    const size_t count = g->flight.bin < 0 ? pass->bins : 1, first = g->flight.bin < 0 ? 0 : (size_t)g->flight.bin;
+    double *sum = &v->sum[(size_t)g->pixel * pass->bins];
+    for (size_t l = 0; l < pass->scene->light_count; l++) {
+        if (!cpm_sky_radiance(pass, l, a->direction, first, count, v->scratch)) continue;
+        for (size_t b = 0; b < count; b++)
+            sum[first + b] += cpm_shade_light(weights[b], v->scratch[b], v->squared_index[first + b]);
+    }
+}
+
 static void see(viewer *v, const glance *g, const cpm_arrival *a, const float *weights) {
     const cpm_scene *scene = v->pass->scene;
     v->segments++;
     v->evaluations += a->evaluations;
+    if (a->status == CPM_RAY_LEFT && v->pass->sky) see_sky(v, g, a, weights);
     if (a->status != CPM_RAY_HIT) return;
     const shape *s = &scene->shapes[cpm_primitive_shape(scene, a->hit.primitive)];
     if (s->material == CPM_NO_MATERIAL || scene->materials[s->material].kind == CPM_MATERIAL_DIELECTRIC)
@@ -165,6 +178,9 @@ static void look(viewer *v, int32_t column, int32_t row, int32_t pixel, const cp
     }
 }
 
+/* Rays that may see the sky are followed until they leave, not only until they cannot come back: light still bends. */
+static const cpm_follow_options to_the_extent = {.far = INFINITY};
+
 /* The live branches to their ends: all of them to their next surface, then those that go on. */
 static void follow_branches(viewer *v) {
     cpm_context *context = v->pass->context;
@@ -174,7 +190,7 @@ static void follow_branches(viewer *v) {
         v->next = swap;
         v->next.count = 0;
         for (size_t i = 0; i < v->now.count; i++) v->now.flights[i] = v->now.all[i].flight;
-        cpm_follow(v->pass, v->now.flights, v->now.count, NULL, v->now.arrivals);
+        cpm_follow(v->pass, v->now.flights, v->now.count, v->pass->sky ? &to_the_extent : NULL, v->now.arrivals);
         for (size_t i = 0; i < v->now.count && !v->failed && !cpm_poll(context); i++)
             see(v, &v->now.all[i], &v->now.arrivals[i], &v->now.weights[i * v->pass->bins]);
     }

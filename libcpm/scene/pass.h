@@ -1,6 +1,7 @@
 /* scene/pass.h: a scene at given wavelengths: everything looked up once, before any ray runs. */
 #ifndef CPM_SCENE_PASS_H
 #define CPM_SCENE_PASS_H
+#include "cl/types/sky.h"
 #include "scene.h"
 
 /* How rays run in a medium. */
@@ -21,7 +22,8 @@ typedef struct cpm_pass {
     uint8_t *disperses;     /* media: n differs between the bins */
     uint8_t *way;           /* media: cpm_way */
     uint8_t *method;        /* media: cpm_method that runs */
-    double *emission;       /* lights x bins */
+    double *emission;       /* lights x bins; of an image its mean over all directions */
+    struct cpm_sky *sky;    /* lights: what suns and environments look like; NULL: there are none */
     cpm_box extent;
     cpm_box box;            /* of the geometry */
     double reach;           /* a good length of one curved piece, metres: the geometry's diagonal */
@@ -49,6 +51,18 @@ static inline int32_t cpm_region_medium(const cpm_region *region) { return regio
 int cpm_region_cross(cpm_region *region, int32_t medium, int entering);
 /* What contains a point; on a boundary, what `direction` enters. */
 cpm_region cpm_region_at(const cpm_pass *pass, cpm_vec point, cpm_vec direction);
+
+/* A sun or an environment at the pass's wavelengths (sky.c). */
+typedef struct cpm_sky {
+    cpm_sky_data data;
+    double *limb;  /* bins x 6: of the radiance over its mean */
+    float *pixels; /* height x width x bins */
+} cpm_sky;
+cpm_status cpm_sky_begin(cpm_pass *pass);
+void cpm_sky_end(cpm_pass *pass);
+/* Basic radiance seen in a unit direction at the extent, bins [first, first + count); 0: none of this light. */
+int cpm_sky_radiance(const cpm_pass *pass, size_t light, cpm_vec direction, size_t first, size_t count,
+                     double *radiance);
 
 /* n at a point of a medium, for a bin (-1: the bundle). */
 double cpm_pass_index(const cpm_pass *pass, int32_t medium, int32_t bin, cpm_vec point);

@@ -12,6 +12,7 @@ cpm_flight cpm_depart(const cpm_pass *pass, const cpm_flight *flight, const cpm_
     next.left = arrival->hit.primitive;
     next.exact = cpm_geometry_near_edge(pass->geometry, &arrival->hit);
     next.crossing = 0;
+    next.within = NULL;
     return next;
 }
 

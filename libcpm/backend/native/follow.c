@@ -17,8 +17,9 @@
 static double leaves_at(const cpm_pass *pass, const cpm_flight *flight, double out) {
     const double r[3] = {flight->position.x, flight->position.y, flight->position.z};
     const double d[3] = {flight->direction.x, flight->direction.y, flight->direction.z};
+    const cpm_box *box = cpm_flight_box(pass, flight);
     for (int k = 0; k < 3; k++) {
-        double t = ((d[k] > 0.0 ? pass->extent.high[k] : pass->extent.low[k]) - r[k]) / d[k];
+        double t = ((d[k] > 0.0 ? box->high[k] : box->low[k]) - r[k]) / d[k];
         if (d[k] != 0.0) out = cpm_min(out, cpm_max(t, 0.0));
     }
     return out;
@@ -33,7 +34,8 @@ static int inside(double low, double high, double from, double to) {
  * compared. */
 static int surely_inside(const cpm_pass *pass, const cpm_flight *flight, const cpm_arrival *arrival) {
     const cpm_vec a = flight->position, b = arrival->hit.position;
-    const double *low = pass->extent.low, *high = pass->extent.high;
+    const cpm_box *box = cpm_flight_box(pass, flight);
+    const double *low = box->low, *high = box->high;
     return inside(low[0], high[0], a.x, b.x) && inside(low[1], high[1], a.y, b.y) && inside(low[2], high[2], a.z, b.z);
 }
 
@@ -62,7 +64,7 @@ static void end_straight(const cpm_pass *pass, const cpm_flight *flight, const c
     arrival->method = CPM_METHOD_EXACT;
     arrival->length = arrival->hit.t;
     double out = options ? options->far : INFINITY;
-    if (pass->bounded && !(hits && surely_inside(pass, flight, arrival))) out = leaves_at(pass, flight, out);
+    if ((pass->bounded || flight->within) && !(hits && surely_inside(pass, flight, arrival))) out = leaves_at(pass, flight, out);
     if (!hits || arrival->hit.t > out) {
         arrival->status = CPM_RAY_LEFT;
         arrival->hit.primitive = -1;

@@ -12,7 +12,11 @@ typedef struct cpm_flight { /* where a ray starts */
     int32_t bin;      /* its wavelength; -1: the bundle */
     int32_t exact;    /* starts near an edge */
     int32_t crossing; /* starts on a boundary that it has just passed: coincident surfaces still count */
+    const cpm_box *within; /* where it leaves; NULL: the scene's extent */
 } cpm_flight;
+static inline const cpm_box *cpm_flight_box(const cpm_pass *pass, const cpm_flight *flight) {
+    return flight->within ? flight->within : &pass->extent;
+}
 
 typedef struct cpm_arrival {     /* where it ends */
     int32_t status;              /* CPM_RAY_HIT, _LEFT, or why not */

@@ -146,7 +146,7 @@ static void follow_parabolas(const cpm_pass *pass, const cpm_flight *flights, si
     for (size_t i = 0; i < count; i++) {
         const cpm_flight *flight = &flights[i];
         if (cpm_region_medium(&flight->region) != medium) continue;
-        if (flight->crossing) { /* looks back */
+        if (flight->crossing || flight->within) { /* looks back, or leaves elsewhere */
             cpm_follow_exact(pass, flight, NULL, i, &arrivals[i]);
             continue;
         }

@@ -31,16 +31,16 @@ void cpm_arrival_begin(const cpm_flight *flight, cpm_arrival *arrival) {
 }
 
 /* theta where the curve first crosses a face of the extent outward, in (0, end]; infinite: it does not. */
-static double leaves_extent(const cpm_pass *pass, const cpm_curve *curve, double end) {
+static double leaves_extent(const cpm_box *box, const cpm_curve *curve, double end) {
     cpm_vec at = cpm_curve_at(curve, end);
     const double r[3] = {at.x, at.y, at.z};
     int outside = 0;
-    for (int k = 0; k < 3; k++) outside |= !(r[k] >= pass->extent.low[k] && r[k] <= pass->extent.high[k]);
+    for (int k = 0; k < 3; k++) outside |= !(r[k] >= box->low[k] && r[k] <= box->high[k]);
     if (!outside) return INFINITY; /* pieces are short beside the extent: out and in again is not looked for */
     double first = INFINITY;
     for (int k = 0; k < 3; k++)
         for (int side = 0; side < 2; side++) {
-            double face = side ? pass->extent.high[k] : pass->extent.low[k], sign = side ? 1.0 : -1.0;
+            double face = side ? box->high[k] : box->low[k], sign = side ? 1.0 : -1.0;
             if (!isfinite(face)) continue;
             cpm_vec normal = cpm_v(k == 0 ? sign : 0.0, k == 1 ? sign : 0.0, k == 2 ? sign : 0.0);
             double roots[5];
@@ -65,7 +65,7 @@ double cpm_end_of_piece(const cpm_pass *pass, const cpm_flight *flight, const cp
     /* A wall on the very face of a layer may lie beyond the piece's end by rounding, and the next piece may be thrown back
      * there: so what is that near counts, before the ray turns. */
     double ahead = speed > 0.0 ? SLACK * pass->reach / speed : 0.0;
-    double out = leaves_extent(pass, curve, 1.0), end = cpm_min(1.0 + ahead, out);
+    double out = leaves_extent(cpm_flight_box(pass, flight), curve, 1.0), end = cpm_min(1.0 + ahead, out);
     cpm_hit hit;
     cpm_start from = {pass, flight};
     const cpm_filter filter = {cpm_start_counts, &from};
