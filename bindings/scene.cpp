@@ -211,6 +211,7 @@ py::dict feature_bits() {
     bits["projection"] = CPM_FEATURE_PROJECTION;
     bits["delta_lights"] = CPM_FEATURE_DELTA_LIGHTS;
     bits["sky"] = CPM_FEATURE_SKY;
+    bits["extinction"] = CPM_FEATURE_EXTINCTION;
     return bits;
 }
 

@@ -238,6 +238,8 @@ size_t cpm_far_emit(const cpm_pass *pass, const cpm_emitter *e, uint64_t path, s
         float *to = &powers[carrying * bins];
         for (size_t b = 0; b < carries; b++) {
             to[b] = (float)(radiance[b] * factor);
+            if (e->traced_back && pass->extinction)
+                to[b] *= (float)cpm_transmittance(pass, &f, &arrivals[i], first + b);
             most = cpm_max(most, (double)to[b]);
         }
         if (!(most > 0.0)) continue;

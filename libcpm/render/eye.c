@@ -181,16 +181,29 @@ static void look(viewer *v, int32_t column, int32_t row, int32_t pixel, const cp
 /* Rays that may see the sky are followed until they leave, not only until they cannot come back: light still bends. */
 static const cpm_follow_options to_the_extent = {.far = INFINITY};
 
+/* What air takes on the way. */
+static void dim(viewer *v) {
+    const size_t bins = v->pass->bins;
+    for (size_t i = 0; i < v->now.count; i++) {
+        const cpm_flight *f = &v->now.flights[i];
+        const size_t first = f->bin < 0 ? 0 : (size_t)f->bin, count = f->bin < 0 ? bins : 1;
+        for (size_t b = 0; b < count; b++)
+            v->now.weights[i * bins + b] *= (float)cpm_transmittance(v->pass, f, &v->now.arrivals[i], first + b);
+    }
+}
+
 /* The live branches to their ends: all of them to their next surface, then those that go on. */
 static void follow_branches(viewer *v) {
     cpm_context *context = v->pass->context;
+    const int measured = v->pass->sky || v->pass->extinction;
     while (v->next.count && !v->failed && !cpm_poll(context)) {
         gaze swap = v->now;
         v->now = v->next;
         v->next = swap;
         v->next.count = 0;
         for (size_t i = 0; i < v->now.count; i++) v->now.flights[i] = v->now.all[i].flight;
-        cpm_follow(v->pass, v->now.flights, v->now.count, v->pass->sky ? &to_the_extent : NULL, v->now.arrivals);
+        cpm_follow(v->pass, v->now.flights, v->now.count, measured ? &to_the_extent : NULL, v->now.arrivals);
+        if (v->pass->extinction) dim(v);
         for (size_t i = 0; i < v->now.count && !v->failed && !cpm_poll(context); i++)
             see(v, &v->now.all[i], &v->now.arrivals[i], &v->now.weights[i * v->pass->bins]);
     }

@@ -93,6 +93,15 @@ static cpm_status look_at_media(cpm_pass *pass) {
         if (pass->way[m] == CPM_WAY_INTEGRATED) pass->features |= CPM_FEATURE_INTEGRATOR;
         if (pass->disperses[m]) pass->features |= CPM_FEATURE_DISPERSION;
     }
+    for (size_t m = 0; m < scene->medium_count; m++)
+        if (scene->media[m].medium->extinction) pass->features |= CPM_FEATURE_EXTINCTION;
+    if (pass->features & CPM_FEATURE_EXTINCTION) {
+        pass->extinction = calloc(scene->medium_count * pass->bins, sizeof *pass->extinction);
+        if (!pass->extinction) return cpm_fail(pass->context, CPM_ERROR_OUT_OF_MEMORY, "no memory for extinctions");
+        for (size_t i = 0; i < scene->medium_count * pass->bins; i++)
+            pass->extinction[i] =
+                cpm_medium_extinction(scene->media[i / pass->bins].medium, pass->wavelengths[i % pass->bins]);
+    }
     if (scene->medium_count > 1) pass->features |= CPM_FEATURE_BOUNDARIES | CPM_FEATURE_SPECULAR;
     return CPM_OK;
 }
@@ -173,6 +182,7 @@ cpm_status cpm_pass_begin_with(cpm_context *context, cpm_scene *scene, const cpm
 
 void cpm_pass_end(cpm_pass *pass) {
     cpm_sky_end(pass);
+    free(pass->extinction);
     free(pass->wavelengths), free(pass->reflectance), free(pass->reflectance_max), free(pass->scale);
     free(pass->index), free(pass->disperses), free(pass->way), free(pass->method), free(pass->emission);
     memset(pass, 0, sizeof *pass);

@@ -22,6 +22,7 @@ typedef struct cpm_pass {
     uint8_t *disperses;     /* media: n differs between the bins */
     uint8_t *way;           /* media: cpm_way */
     uint8_t *method;        /* media: cpm_method that runs */
+    double *extinction;     /* media x bins: over n - 1, 1/m; NULL: nothing dims */
     double *emission;       /* lights x bins; of an image its mean over all directions */
     struct cpm_sky *sky;    /* lights: what suns and environments look like; NULL: there are none */
     cpm_box extent;

@@ -72,6 +72,7 @@ static void end_straight(const cpm_pass *pass, const cpm_flight *flight, const c
         arrival->hit.position = cpm_along(flight->position, arrival->length, flight->direction);
     }
     arrival->optical_path = arrival->n * arrival->length;
+    arrival->column = (arrival->n - 1.0) * arrival->length;
     if (options && options->sink) keep_line(flight, options, number, arrival);
 }
 

@@ -1,6 +1,8 @@
 /* backend/native/follow.h: rays of a scene, each followed to the first surface or boundary that it meets. */
 #ifndef CPM_NATIVE_FOLLOW_H
 #define CPM_NATIVE_FOLLOW_H
+#include <math.h>
+
 #include "cl/types/ray.h"
 #include "scene/pass.h"
 
@@ -25,6 +27,7 @@ typedef struct cpm_arrival {     /* where it ends */
     double n;                    /* index there, on the side that it comes from */
     cpm_region behind;           /* what contains the ray beyond a boundary; count 0: more than CPM_MAX_NESTED would */
     double length, optical_path; /* with options only */
+    double column;               /* int (n - 1) ds, metres; with options only */
     double drift, error;
     double evaluations, steps, rejected;
     int32_t method; /* cpm_method that ran */
@@ -40,6 +43,12 @@ typedef struct cpm_follow_options {
     cpm_piece_sink sink;     /* NULL: pieces are not kept */
     void *user;
 } cpm_follow_options;
+
+/* What is left of light at a bin after a flight that was followed with options. */
+static inline double cpm_transmittance(const cpm_pass *pass, const cpm_flight *flight, const cpm_arrival *arrival,
+                                       size_t bin) {
+    return exp(-pass->extinction[(size_t)cpm_region_medium(&flight->region) * pass->bins + bin] * arrival->column);
+}
 
 /* Arc length from a piece's start to theta, and theta of an arc length; `degree` as in cpm_curve. */
 double cpm_piece_arc(const cpm_piece *piece, int degree, double theta);

@@ -108,6 +108,7 @@ void cpm_follow_exact(const cpm_pass *pass, const cpm_flight *flight, const cpm_
         cpm_curve curve = cpm_curve_from_piece(&piece, degree);
         double theta = cpm_end_of_piece(pass, flight, &curve, arrival);
         arrival->steps += 1.0;
+        if (pass->extinction && options) arrival->column += cpm_column_of(&curve, piece.h, theta < 0.0 ? 1.0 : theta);
         if (options && options->sink) options->sink(options->user, number, &piece, degree, theta < 0.0 ? 1.0 : theta);
         if (theta >= 0.0 || arrival->status == CPM_RAY_HIT) {
             if (options) cpm_add_length(arrival, &piece, degree, theta);

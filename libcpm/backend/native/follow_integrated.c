@@ -76,6 +76,10 @@ static void end_lane_step(lane_queue *q, int lane) {
         if (q->options && q->options->sink)
             q->options->sink(q->options->user, which, &piece, 5, theta < 0.0 ? 1.0 : theta);
         arrival->optical_path = rays->optical_path[lane];
+        arrival->column = arrival->optical_path - rays->length[lane];
+        if (theta >= 0.0)
+            arrival->column = cpm_column_between(rays->optical_path0[lane] - rays->length0[lane], arrival->column,
+                                                 piece.h, piece.n0, piece.n1, theta);
         if (theta >= 0.0 || arrival->status == CPM_RAY_HIT) {
             if (q->options) cpm_add_length(arrival, &piece, 5, theta);
             retire_lane(q, lane);

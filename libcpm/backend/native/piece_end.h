@@ -20,6 +20,10 @@ int cpm_start_counts(void *user, int32_t primitive, cpm_vec position, cpm_vec di
 /* Does the piece hit or leave? theta of its end, with the arrival filled in, or a negative number to go on. */
 double cpm_end_of_piece(const cpm_pass *pass, const cpm_flight *flight, const cpm_curve *curve, cpm_arrival *arrival);
 
+/* int (n - 1) ds up to theta of an integrated piece, given it at both ends; and of a piece of a closed form. */
+double cpm_column_between(double before, double after, double h, double n0, double n1, double theta);
+double cpm_column_of(const cpm_curve *curve, double h, double theta);
+
 /* The arrival's length, at theta of its last piece. */
 void cpm_add_length(cpm_arrival *arrival, const cpm_piece *piece, int degree, double theta);
 

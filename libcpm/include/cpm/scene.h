@@ -151,6 +151,7 @@ CPM_API cpm_status cpm_scene_extent(cpm_scene *scene, cpm_box *extent);
 #define CPM_FEATURE_PROJECTION (1u << 10)   /* point or spot lights: projection maps over their directions */
 #define CPM_FEATURE_DELTA_LIGHTS (1u << 11)
 #define CPM_FEATURE_SKY (1u << 12)          /* a sun or an environment */
+#define CPM_FEATURE_EXTINCTION (1u << 13)   /* some medium dims light */
 CPM_API cpm_status cpm_scene_features(cpm_scene *scene, const double *wavelengths, size_t count, uint32_t *features);
 
 #ifdef __cplusplus

@@ -32,6 +32,9 @@ class Atmosphere(Medium):
         Index of air.
     origin : array_like, shape (3,)
         Where height is 0, metres.
+    extinction : None or "rayleigh"
+        What molecules scatter out of eye rays, and out of the light of suns and environments on its way in, is lost: optical
+        depth σ(λ) ∫ N ds along the curved path (:func:`cpm.air.rayleigh_extinction`). Nothing is scattered into a ray.
     bounds : Box, Sphere or Shape, optional
 
     Attributes
@@ -58,6 +61,7 @@ class Atmosphere(Medium):
         refractivity: str = "ciddor",
         origin: VectorLike = (0.0, 0.0, 0.0),
         bounds: Bounds | None = None,
+        extinction: str | None = None,
     ) -> None:
         if not isinstance(profile, Profile):
             raise TypeError(f"profile is {profile!r}; a profile of cpm.atmosphere is needed")
@@ -68,6 +72,7 @@ class Atmosphere(Medium):
         self.up, self.origin = as_vector(up, "up"), as_vector(origin, "origin")
         if not np.any(self.up):
             raise ValueError("up is (0, 0, 0); a direction is needed")
+        self.extinction = None if extinction is None else one_of(extinction, "extinction", ("rayleigh",))
         super().__init__(_dispersion(profile, self.refractivity), bounds)
         self.heights, self.n, self._kinks = _spline(profile, self.refractivity)
         self._handle = _core.layered(
@@ -80,6 +85,7 @@ class Atmosphere(Medium):
             self._dispersion_core(),
             self._kinks,
         )
+        dim(self._handle, self.extinction)
 
     @property
     def extent(self) -> Box | None:
@@ -100,6 +106,14 @@ class Atmosphere(Medium):
 
     def __repr__(self) -> str:
         return f"Atmosphere({self.profile!r}, radius={self.radius!r}, refractivity={self.refractivity!r})"
+
+
+def dim(handle: _core.Medium, extinction: str | None) -> None:
+    """Gives a medium of air its extinction."""
+    if extinction is not None:
+        low, high = air.RANGES["ciddor"]
+        wavelengths = np.arange(low, high + 0.5)
+        handle.set_extinction(wavelengths, air.rayleigh_extinction(wavelengths))
 
 
 def _dispersion(profile: Profile, model: str) -> Gas:

@@ -170,7 +170,7 @@ class _Builder:
                                          table.interpolation, **common)
                 case models.AtmosphereTable():
                     return media.Atmosphere(self.profile(table.profile, f"{key}.profile"), table.radius, table.up,
-                                            table.refractivity, table.origin, **common)
+                                            table.refractivity, table.origin, extinction=table.extinction, **common)
                 case models.ExpressionTable():
                     return media.Expression(table.text, **table.constants, **common)
                 case models.SumTable():

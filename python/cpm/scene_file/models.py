@@ -323,6 +323,7 @@ class AtmosphereTable(Table):
     up: Vector = (0.0, 1.0, 0.0)
     origin: Vector = (0.0, 0.0, 0.0)
     refractivity: Literal["ciddor", "edlen", "iag1999"] = "ciddor"
+    extinction: Literal["rayleigh"] | None = None
     bounds: BoundsTable | None = None
 
 
