@@ -18,6 +18,7 @@ import time
 
 import numpy as np
 from _ray_cases import WAVELENGTH, cases
+from _ray_fibre import beside_loop, long_fibre
 from _ray_pictures import case_picture, ratio_picture
 from _results import add_arguments, judge, load_average, positive, table, write
 from scipy.integrate import solve_ivp
@@ -289,6 +290,8 @@ def parse_arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--repeats", type=positive, default=3, metavar="N", help="timings of each (%(default)s)")
     parser.add_argument("--rays", type=positive, default=4000, metavar="N", help="of the speed table (%(default)s)")
+    parser.add_argument("--periods", type=positive, default=1_000_000, metavar="N",
+                        help="of the fibre by yoshida6 (%(default)s)")
     parser.add_argument("--per-decade", type=positive, default=2, metavar="N", help="tolerances a decade (%(default)s)")
     add_arguments(parser)
     options = parser.parse_args()
@@ -310,19 +313,22 @@ def main():
     compared, figures = compare(results)
     speeds, fibre = speed(options)
     grid, mitsuba = grid_speed(options)
+    loop, straight = beside_loop(options)
+    periods, long = long_fibre(options)
     earth, horizons = horizon()
     content = {"load_at_start": load, "tolerances_per_decade": options.per_decade, "lengths": lengths,
                "reference_unsure": unsure, "compared": compared,
                "local_estimates": estimates(results, "local", unsure),
                "global_estimates": estimates(results, "global", unsure),
-               "achieved_over_asked": asked(results), "speed": speeds, "grid_speed": grid, "horizon": earth,
+               "achieved_over_asked": asked(results), "speed": speeds, "grid_speed": grid, "straight_loop": loop,
+               "long_fibre": periods, "horizon": earth,
                "failures": failures, "points": {name: columns(points) for name, points in results.items()}}
     options.results.mkdir(parents=True, exist_ok=True)
     for name, points in results.items():
         shown = [p for p in points if p.get("atol", p["rtol"]) == p["rtol"]]
         picture = case_picture(name, shown, (*PEERS, "CVODE"))
         picture.savefig(options.results / f"rays-{name.replace(' ', '-')}.png", dpi=110)
-    write(options.results, "rays", content, [*figures, fibre, mitsuba, *horizons], ratio_picture(compared),
+    write(options.results, "rays", content, [*figures, fibre, straight, mitsuba, *long, *horizons], ratio_picture(compared),
           ["scipy", "scikit-sundae"])
 
 

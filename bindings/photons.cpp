@@ -41,8 +41,8 @@ cpm_map map_of(const std::string &name) {
 }
 
 std::shared_ptr<Photons> trace_photons(const std::shared_ptr<Scene> &scene, uint64_t count, uint64_t seed,
-                                       const Doubles &wavelengths, bool projection, int32_t batch, int32_t threads,
-                                       py::object progress) {
+                                       const Doubles &wavelengths, bool projection, double bundle_tolerance,
+                                       int32_t batch, int32_t threads, py::object progress) {
     cpm_photons_options options{};
     options.struct_size = sizeof options;
     options.photons = count;
@@ -51,6 +51,7 @@ std::shared_ptr<Photons> trace_photons(const std::shared_ptr<Scene> &scene, uint
     options.wavelength_count = static_cast<size_t>(wavelengths.size());
     options.no_projection = projection ? 0 : 1;
     options.batch = batch;
+    options.bundle_tolerance = bundle_tolerance;
 
     auto photons = std::make_shared<Photons>();
     photons->scene = scene;
@@ -149,5 +150,5 @@ void bind_photons(py::module_ &module) {
         .def("energy", &energy)
         .def("stats", &stats);
     module.def("trace_photons", &trace_photons, py::kw_only(), arg("scene"), arg("photons"), arg("seed"),
-               arg("wavelengths"), arg("projection"), arg("batch"), arg("threads"), arg("progress").none(true));
+               arg("wavelengths"), arg("projection"), arg("bundle_tolerance"), arg("batch"), arg("threads"), arg("progress").none(true));
 }

@@ -50,6 +50,12 @@ typedef long cpm_i64;
 #define cpm_sqrt(x) sqrt((double)(x)) /* of one double */
 #define CPM_CLEAR(x)                                                                                                   \
     for (size_t clear_ = 0; clear_ < sizeof(x); clear_++) ((uchar *)&(x))[clear_] = 0
+/* Tables of several media: one buffer, and where each begins. */
+typedef struct {
+    __global const double *all;
+    __global const long *first;
+} cpm_tables;
+#define cpm_table_of(tables, i) ((tables).all + (tables).first[i])
 
 #else /* ------------------------------------------------------------------------------------------------------ C11 */
 #include <math.h>
@@ -85,11 +91,16 @@ static inline double cpm_double_of(cpm_u64 bits) {
 }
 #define cpm_sqrt(x) sqrt((double)(x))
 #define CPM_CLEAR(x) memset(&(x), 0, sizeof(x))
+typedef struct {
+    const double *const *of;
+} cpm_tables;
+#define cpm_table_of(tables, i) ((tables).of[i])
 #endif /* ------------------------------------------------------------------------------------------------ both sides  \
         */
 
 #define CPM_INLINE static inline
-#define CPM_ALWAYS_INLINE static inline __attribute__((always_inline)) /* where a call would cost more than it saves */
+#define CPM_ALWAYS_INLINE static inline __attribute__((always_inline)) /* where a call would cost more than it saves   \
+                                                                        */
 /* A function that is not worth room in its caller's registers and code. */
 #if defined(__GNUC__) || defined(__clang__)
 #define CPM_APART static __attribute__((noinline, unused))
@@ -152,7 +163,7 @@ static inline int any_lane(mask m) {
     for (int i = 0; i < CPM_WIDTH; i++) any |= m[i];
     return any != 0;
 }
-static inline real root(real x) { /* -fno-math-errno makes it one vector instruction */
+CPM_ALWAYS_INLINE real root(real x) { /* -fno-math-errno makes it one vector instruction */
     for (int i = 0; i < CPM_WIDTH; i++) x[i] = CPM_SINGLE ? (scalar)sqrtf((float)x[i]) : (scalar)sqrt((double)x[i]);
     return x;
 }
@@ -466,6 +477,7 @@ CPM_INLINE void store3_doubles(real3 v, double (*p)[8], int part) {
 typedef float8 wide;
 typedef int8 wide_mask;
 #define wide_load(from) vload8(0, from)
+#define wide_any(from) vload8(0, from)
 #define wide_store(v, to) vstore8(v, 0, to)
 #define wide_all(x) ((float8)(x))
 #define wide_min(a, b) select(b, a, (a) < (b))
@@ -479,6 +491,17 @@ CPM_INLINE cpm_u32 wide_bits(wide_mask mask) {
     return (cpm_u32)(two.x | two.y);
 }
 #define cpm_lowest_bit(bits) (31 - (int)clz((bits) & -(bits)))
+CPM_INLINE cpm_i32 wide_sum(wide_mask v) {
+    int4 four = v.lo + v.hi;
+    int2 two = four.lo + four.hi;
+    return two.x + two.y;
+}
+typedef double8 wide_doubles;
+#define wide_zeros() ((double8)(0.0))
+#define wide_gathered(from) vload8(0, from)
+#define wide_halves(from) convert_double8(vload_half8(0, (CPM_GLOBAL const half *)(from)))
+#define wide_keep(v, to) vstore8(v, 0, to)
+#define cpm_root_float(x) sqrt((float)(x))
 #else
 #if defined(__AVX2__)
 #include <immintrin.h>
@@ -488,6 +511,11 @@ typedef cpm_i32 wide_mask __attribute__((vector_size(32)));
 static inline wide wide_load(const float *from) { /* 32-byte aligned */
     wide v;
     memcpy(&v, __builtin_assume_aligned(from, 32), sizeof v);
+    return v;
+}
+static inline wide wide_any(const float *from) { /* aligned as floats are */
+    wide v;
+    memcpy(&v, from, sizeof v);
     return v;
 }
 static inline void wide_store(wide v, float *to) { memcpy(to, &v, sizeof v); }
@@ -530,5 +558,21 @@ static inline cpm_u32 wide_bits(wide_mask mask) {
 #endif
 }
 #define cpm_lowest_bit(bits) __builtin_ctz(bits)
+static inline cpm_i32 wide_sum(wide_mask v) {
+    cpm_i32 sum = 0;
+    for (int i = 0; i < 8; i++) sum += v[i];
+    return sum;
+}
+/* Eight doubles, and eight half floats as such: exact (shared/half.h). */
+typedef double wide_doubles __attribute__((vector_size(64)));
+#define wide_zeros() ((wide_doubles){0})
+static inline wide_doubles wide_gathered(const double *from) {
+    wide_doubles v;
+    memcpy(&v, from, sizeof v);
+    return v;
+}
+#define wide_halves(from) cpm_wide_halves(from)
+static inline void wide_keep(wide_doubles v, double *to) { memcpy(to, &v, sizeof v); }
+#define cpm_root_float(x) sqrtf(x)
 #endif
 #endif

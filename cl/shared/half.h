@@ -23,6 +23,13 @@ CPM_INLINE float cpm_half_to_float(unsigned short code) {
     return result.value;
 }
 
+/* Eight halves in a row. */
+CPM_INLINE wide_doubles cpm_wide_halves(CPM_GLOBAL const unsigned short *from) {
+    double each[8];
+    for (int i = 0; i < 8; i++) each[i] = (double)cpm_half_to_float(from[i]);
+    return wide_gathered(each);
+}
+
 /* The nearest half, ties to even; from 65520 up infinity, NaN stays NaN. Error at most 2^-11 of the value (2^-25 below
  * 2^-14). */
 CPM_INLINE unsigned short cpm_half_from_float(float value) {

@@ -5,7 +5,7 @@
 #include "vec.h"
 
 #define CPM_TWO_PI 6.283185307179586476925
-#define CPM_PI 3.141592653589793238463
+#define CPM_PI 3.14159265358979323846
 
 /* sin and cos of `turn` whole turns, turn in [0, 1], at once: the quarter turn nearest, and Taylor over +-1/8 of a turn
  * (to x^17 and x^16; error below 2e-16). */

@@ -6,14 +6,15 @@
  * powers then P_b rho_b/rho_max. Gain and loss are what roulette adds and takes: zero in the mean. */
 #ifndef CPM_SHARED_SCATTER_H
 #define CPM_SHARED_SCATTER_H
+#include "bins.h"
 #include "fresnel.h"
 #include "philox.h"
 #include "sampling.h"
 
 /* A path's block of random numbers: surfaces met, and boundaries passed unbroken since. */
 CPM_INLINE cpm_u32 cpm_scatter_block(cpm_u32 bounce, cpm_u32 crossings) { return bounce << 16 | crossings; }
-/* The last counter: 0 for the bundle (bin -1). */
-CPM_INLINE cpm_u32 cpm_scatter_bin(cpm_i32 bin) { return bin < 0 ? 0u : (cpm_u32)bin + 1u; }
+/* The last counter: 0 for the bundle, then each run of bins its own (bins.h). */
+CPM_INLINE cpm_u32 cpm_scatter_bin(cpm_i32 bin) { return bin == -1 ? 0u : cpm_bins_stored(bin) + 1u; }
 
 /* The normal on the side that a ray comes from. */
 CPM_INLINE real3 scatter_facing(real3 normal, real3 came) {

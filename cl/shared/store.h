@@ -2,6 +2,7 @@
 #ifndef CPM_SHARED_STORE_H
 #define CPM_SHARED_STORE_H
 #include "../types/photon.h"
+#include "bins.h"
 #include "half.h"
 #include "octahedral.h"
 
@@ -12,7 +13,7 @@ CPM_INLINE void cpm_photon_pack(CPM_GLOBAL cpm_photon *photon, cpm_vec at, cpm_u
     photon->direction = direction, photon->normal = normal;
     photon->spectrum = spectrum;
     photon->path = path;
-    photon->bin = (unsigned short)(bin < 0 ? CPM_ALL_BINS : (cpm_u32)bin);
+    photon->bin = (unsigned short)cpm_bins_stored(bin);
     photon->bounce = (unsigned short)bounce;
 }
 

@@ -49,11 +49,13 @@ CPM_INLINE void cpm_sample_piece(cpm_samples *s, const cpm_piece *piece, double 
     }
 }
 
-/* Where the ray of lane i ends if it ends in its piece: theta, else CPM_NO_ROOT. `aimed`: steps end near the plane. */
-CPM_INLINE double cpm_landing(const cpm_piece *piece, const cpm_ray_goal *plane, double length, int aimed) {
+/* Where the ray ends if it ends in its piece: theta, else CPM_NO_ROOT. A little beyond it counts, where the curve goes on:
+ * not where grad n jumps (at_kink). `aimed`: steps end near the plane. */
+CPM_INLINE double cpm_landing(const cpm_piece *piece, const cpm_ray_goal *plane, double length, int aimed, int at_kink) {
     if (length < 0.0)
-        return cpm_piece_plane(piece, plane->point, plane->normal, aimed ? 1.0 + CPM_LANDING : 1.0 + CPM_TOUCHING);
-    double margin = CPM_LANDING * (piece->length1 - piece->length0);
+        return cpm_piece_plane(piece, plane->point, plane->normal,
+                               aimed && !at_kink ? 1.0 + CPM_LANDING : 1.0 + CPM_TOUCHING);
+    double margin = at_kink ? 0.0 : CPM_LANDING * (piece->length1 - piece->length0);
     return piece->length1 + margin >= length ? cpm_piece_theta(piece, length) : CPM_NO_ROOT;
 }
 
@@ -255,8 +257,13 @@ CPM_INLINE void cpm_trace_range(const cpm_step_control *c, const cpm_medium_data
             cpm_piece piece;
             const int aimed = aware && length[i] < 0.0;
             double theta = CPM_NO_ROOT;
+            if (length[i] >= 0.0 && !arrays->samples && rays.status[i] < 0 && /* far from the goal: no piece is needed */
+                rays.length[i] + CPM_LANDING * (rays.length[i] - rays.length0[i]) < length[i]) {
+                if (aware) rays.limit[i] = longest[i] > 0.0 ? longest[i] / rays.n_start[i] : CPM_INFINITE;
+                continue;
+            }
             cpm_lanes_piece(&rays, i, &piece);
-            if (rays.accepted[i]) theta = cpm_landing(&piece, plane, length[i], aimed);
+            if (rays.accepted[i]) theta = cpm_landing(&piece, plane, length[i], aimed, rays.at_kink[i] != 0);
             const int poor = aware && theta != CPM_NO_ROOT && cpm_dense_excess(c, &rays, i, theta) > 1.0;
             if (poor && theta < 1.0 - CPM_LANDING && theta > 1e-3 && rays.status[i] < 0) {
                 cpm_step_back(&rays, i, theta);

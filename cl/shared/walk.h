@@ -145,7 +145,9 @@ CPM_INLINE int cpm_falls_back(const cpm_query *q) {
 /* Is the curve's first root on this primitive the best so far? */
 CPM_INLINE int cpm_test_primitive(cpm_query *q, cpm_i32 primitive) {
     const cpm_chord *c = &q->chord;
-    double end = q->best.primitive >= 0 && q->best.t < c->b ? q->best.t : c->b, u = 0.0, v = 0.0;
+    /* parabolas to the chord's end: their roots are the same whatever was met before */
+    double end = q->best.primitive >= 0 && q->best.t < c->b && q->curve->degree != 2 ? q->best.t : c->b;
+    double u = 0.0, v = 0.0;
     double t = q->curve->degree > 2 && primitive != q->left && primitive < q->tree->frame.triangle_count
                    ? cpm_chord_triangle(q->curve, c, &q->tree->triangles[primitive], end, &u, &v)
                    : cpm_first_root(q->tree, q->curve, primitive, q->left, c->a, end, &u, &v);

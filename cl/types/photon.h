@@ -5,11 +5,11 @@
  *  16  normal     of the side that was hit, octahedral, 2 x 16 bits
  *  20  spectrum   index of its first half-float power in the map's spectra
  *  24  path       number of the emitted path: ties of distance are broken by (path, bounce, bin)
- *  28  bin        the one bin that a split photon carries; CPM_ALL_BINS: all of them
+ *  28  bin        the run of bins that a split photon carries (shared/bins.h); CPM_ALL_BINS: all of them
  *  30  bounce     surfaces hit before this one, held at 65535
  *
  * The spectrum beside it: one 16-bit float a bin carried, relative to the map's power scale: all bins on an unsplit
- * path, one after a split. */
+ * path, those of its run after a split. */
 #ifndef CPM_TYPES_PHOTON_H
 #define CPM_TYPES_PHOTON_H
 #define CPM_ALL_BINS 65535u

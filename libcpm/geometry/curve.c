@@ -3,9 +3,9 @@
 #include <math.h>
 #include <string.h>
 
+#include "cl/shared/region.h" /* before the walk, which asks it */
 #include "geometry.h"
-#define CPM_HIT_COUNTS(q, primitive, t)                                                                                \
-    (q)->filter->counts((q)->filter->user, primitive, cpm_curve_at((q)->curve, t), cpm_curve_tangent((q)->curve, t))
+
 #include "cl/shared/walk.h"
 #include "few.h"
 #include "parts.h"

@@ -8,7 +8,7 @@
 #define CPM_GEOMETRY_H
 #include "api/context.h"
 #include "cl/shared/curve.h"
-#include "cl/types/tree.h" /* cpm_hit */
+#include "cl/types/world.h" /* cpm_hit, cpm_filter */
 
 typedef struct cpm_geometry cpm_geometry;
 
@@ -28,13 +28,8 @@ cpm_box cpm_geometry_box(const cpm_geometry *geometry);
 /* Its largest coordinate from the middle, metres. */
 double cpm_geometry_scale(const cpm_geometry *geometry);
 
-/* Every query: may a primitive be met at or about its start? NULL: yes. Asked only of what lies within `slack` of the
- * start, on a path that goes `direction` (not unit there). */
-typedef int (*cpm_counts)(void *user, int32_t primitive, cpm_vec position, cpm_vec direction);
-typedef struct cpm_filter {
-    cpm_counts counts;
-    void *user;
-} cpm_filter;
+/* Every query takes a cpm_filter (cl/types/world.h): may a primitive be met at or about its start? NULL: yes. Asked
+ * only of what lies within `slack` of the start. */
 
 /* First hit of origin + t direction, t > 0; direction is unit. `left`: the primitive that the ray starts on, -1: none
  * (only its root at t = 0 is excluded). `slack` metres behind the start count too (coincident surfaces); `exact`: skip

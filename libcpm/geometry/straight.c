@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "cl/shared/clip.h"
+#include "cl/shared/straight.h"
 #include "embree.h"
 #include "parts.h"
 
@@ -15,12 +16,7 @@ typedef struct query {
     const cpm_straight_ray *const *rays; /* one a lane */
 } query;
 
-static cpm_curve line_of(const cpm_straight_ray *ray) {
-    cpm_curve line;
-    line.degree = 1;
-    line.c[0] = *ray->origin, line.c[1] = *ray->direction;
-    return line;
-}
+static cpm_curve line_of(const cpm_straight_ray *ray) { return cpm_line(*ray->origin, *ray->direction); }
 
 /* ------------------------------------------------------------------------------------------------ building */
 
@@ -134,36 +130,16 @@ static void ask_exactly(const cpm_geometry *g, const cpm_straight_ray *ray) {
     ray->hit->t *= reach;
 }
 
-/* What Embree has found on a triangle, polished on its plane; 0: float's word is not enough. */
-static int polish(const cpm_triangle *t, const cpm_straight_ray *ray) {
-    cpm_hit *hit = ray->hit;
-    const cpm_vec n = cpm_v(t->normal[0], t->normal[1], t->normal[2]);
-    const cpm_vec corner = cpm_v(t->corner[0], t->corner[1], t->corner[2]);
-    hit->t = cpm_vdot(cpm_sub(corner, *ray->origin), n) / cpm_vdot(*ray->direction, n);
-    hit->position = cpm_along(*ray->origin, hit->t, *ray->direction);
-    if (!(hit->t > 0.0) || !(hit->t < INFINITY)) return 0;
-    cpm_triangle_contains(t, hit->position, &hit->u, &hit->v);
-    return cpm_min(hit->u, cpm_min(hit->v, 1.0 - hit->u - hit->v)) > -t->near_edge;
-}
-
-static int polish_sphere(const cpm_sphere *sphere, const cpm_straight_ray *ray, int leaving, double far) {
-    const cpm_curve line = line_of(ray);
-    cpm_hit *hit = ray->hit;
-    hit->t = cpm_curve_sphere(&line, sphere, leaving, 0.0, far * 1.001);
-    hit->u = hit->v = 0.0;
-    hit->position = cpm_along(*ray->origin, hit->t, *ray->direction);
-    return hit->t > 0.0;
-}
-
 /* Embree's answer, a geometry and the number of one of its primitives, for one ray. */
 static void settle(const cpm_geometry *g, const cpm_straight_ray *ray, unsigned geometry, unsigned number, float far) {
     int known = 0;
     if (geometry == 0 && (int32_t)number != ray->left) {
         ray->hit->primitive = (int32_t)number;
-        known = polish(&g->tree.triangles[number], ray);
+        known = cpm_polish_triangle(&g->tree.triangles[number], *ray->origin, *ray->direction, ray->hit);
     } else if (geometry == 1) {
         ray->hit->primitive = (int32_t)(g->triangle_count + number);
-        known = polish_sphere(&g->tree.spheres[number], ray, ray->hit->primitive == ray->left, (double)far);
+        known = cpm_polish_sphere(&g->tree.spheres[number], *ray->origin, *ray->direction,
+                                  ray->hit->primitive == ray->left, (double)far, ray->hit);
     }
     if (!known) ask_exactly(g, ray); /* a miss, or itself, or so near an edge */
 }

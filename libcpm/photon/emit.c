@@ -79,13 +79,39 @@ size_t cpm_emit(const cpm_pass *pass, const cpm_emitter *e, uint64_t path, size_
         f->exact = area;
         f->bin = -1;
         f->crossing = 0;
-        f->within = NULL;
         weights[carrying] =
             (float)(area ? squared_index(pass, &f->region, f->position) * e->power_factor : made->weight[i]);
         paths[carrying] = (uint32_t)(path + i);
         carrying += weights[carrying] > 0.0f;
     }
     return carrying;
+}
+
+/* A surface emits n^2 L: a path's weight has the middle bin's n, the others have their own where a medium disperses. */
+const float *cpm_emit_spectrum(const cpm_pass *pass, const cpm_emitter *e, const cpm_flight *flight, float *own) {
+    const int32_t medium = cpm_region_medium(&flight->region);
+    if (e->light->kind != CPM_LIGHT_AREA || !pass->disperses[medium]) return e->weight;
+    const double middle = squared_index(pass, &flight->region, flight->position);
+    for (size_t b = 0; b < pass->bins; b++) {
+        const double n = cpm_pass_index(pass, medium, (int32_t)b, flight->position);
+        own[b] = n > 0.0 ? (float)((double)e->weight[b] * (n * n / middle)) : 0.0f;
+    }
+    return own;
+}
+
+/* N paths over a solid angle, or over an area and its hemisphere: k of them fill a circle of angular radius
+ * sqrt(k angle/(pi N)), or sqrt(k area/(pi N)) metres on the light and sqrt(k/N) more for each metre away. */
+cpm_leeway cpm_emitter_leeway(const cpm_pass *pass, const cpm_emitter *e, float weight) {
+    const double share = pass->nearest * (double)weight / (double)e->count;
+    cpm_leeway leeway = {0.0, 0.0};
+    if (e->light->kind == CPM_LIGHT_AREA) {
+        leeway.size = pass->bundle_tolerance * sqrt(share / CPM_PI * pass->scene->shapes[e->light->shape].area);
+        leeway.angle = pass->bundle_tolerance * sqrt(share);
+    } else {
+        const double solid = CPM_TWO_PI * (1.0 - cpm_cos(e->light->cutoff));
+        leeway.angle = pass->bundle_tolerance * sqrt(share * solid / CPM_PI);
+    }
+    return leeway;
 }
 
 /* --------------------------------------------------------------------------------------------- sharing out paths */
@@ -102,19 +128,27 @@ static double mean_emission(const cpm_pass *pass, size_t l) {
     return sum / (double)pass->bins;
 }
 
-/* Path numbers in proportion to power; every light that shines gets one at least where there are enough. */
-static void share_out(cpm_emitter *e, size_t count, const double *power, uint64_t photons) {
+/* Path numbers in proportion to power; every light that shines gets one at least where there are enough. Where there
+ * are not, chance decides which lights do: systematic sampling with one offset u in [0, 1), so that each gets as many
+ * as its share on average, and a path weighs what one of that many would. `expected` is what weights are divided by:
+ * the count itself where every light has some (no noise in the power emitted), else the share. */
+static void share_out(cpm_emitter *e, size_t count, const double *power, uint64_t photons, double u, double *expected) {
     double total = 0.0, so_far = 0.0;
-    for (size_t i = 0; i < count; i++) total += power[i];
-    uint64_t first = 0;
+    uint64_t shining = 0, first = 0;
+    for (size_t i = 0; i < count; i++) total += power[i], shining += power[i] > 0.0;
+    const int enough = photons >= shining;
     for (size_t i = 0; i < count; i++) {
         so_far += power[i];
-        uint64_t end = total > 0.0 ? (uint64_t)llround(so_far / total * (double)photons) : 0;
-        if (power[i] > 0.0 && end <= first && first < photons) end = first + 1;
-        if (end > photons) end = photons;
+        const double paths = total > 0.0 ? so_far / total * (double)photons : 0.0;
+        uint64_t end = enough ? (uint64_t)llround(paths) : (uint64_t)floor(paths + u);
+        if (power[i] > 0.0) shining--;
+        const uint64_t most = enough ? photons - shining : photons; /* one is left for each that is still to come */
+        if (enough && power[i] > 0.0 && end <= first) end = first + 1;
+        if (end > most) end = most;
         if (end < first) end = first;
         e[i].first = first;
         e[i].count = end - first;
+        expected[i] = enough ? (double)e[i].count : power[i] / total * (double)photons;
         first = end;
     }
 }
@@ -125,7 +159,8 @@ cpm_status cpm_emitters_create(const cpm_pass *pass, uint64_t photons, uint64_t 
     size_t lights = scene->light_count;
     cpm_emitter *e = calloc(lights + 1, sizeof *e);
     double *power = calloc(lights + 1, sizeof *power), *factor = calloc(lights + 1, sizeof *factor), total = 0.0;
-    cpm_status status = e && power && factor
+    double *expected = calloc(lights + 1, sizeof *expected);
+    cpm_status status = e && power && factor && expected
                             ? CPM_OK
                             : cpm_fail(scene->context, CPM_ERROR_OUT_OF_MEMORY, "no memory for %zu lights", lights);
     for (size_t i = 0; i < lights && !status; i++) {
@@ -157,22 +192,23 @@ cpm_status cpm_emitters_create(const cpm_pass *pass, uint64_t photons, uint64_t 
         total += power[i] = factor[i] * mean_emission(pass, i);
     }
     if (!status) {
-        share_out(e, lights, power, photons);
+        const cpm_random r = cpm_philox(seed, 0, 5, CPM_STREAM_EMIT, 0);
+        share_out(e, lights, power, photons, cpm_uniform(r.v[0]), expected);
         *scale = photons && total > 0.0 ? total / (double)photons : 0.0;
     }
     for (size_t i = 0; i < lights && !status; i++) {
         if (!e[i].count) continue;
         e[i].data.count = (double)e[i].count;
         for (size_t b = 0; b < pass->bins; b++)
-            e[i].weight[b] = (float)(factor[i] * pass->emission[i * pass->bins + b] / ((double)e[i].count * *scale));
+            e[i].weight[b] = (float)(factor[i] * pass->emission[i * pass->bins + b] / (expected[i] * *scale));
         if (cpm_light_is_far(&scene->lights[i])) {
-            e[i].power_factor /= (double)e[i].count * *scale;
+            e[i].power_factor /= expected[i] * *scale;
             continue;
         }
         if (project && scene->lights[i].kind != CPM_LIGHT_AREA) status = cpm_project(pass, &e[i], stats);
         e[i].data.rows = e[i].projection.rows, e[i].data.columns = e[i].projection.columns;
     }
-    free(power), free(factor);
+    free(power), free(factor), free(expected);
     *emitters = e;
     *count = lights;
     if (status) {
@@ -184,7 +220,7 @@ cpm_status cpm_emitters_create(const cpm_pass *pass, uint64_t photons, uint64_t 
 
 void cpm_emitters_free(cpm_emitter *emitters, size_t count) {
     for (size_t i = 0; emitters && i < count; i++) {
-        free(emitters[i].weight), free(emitters[i].area);
+        free(emitters[i].weight), free(emitters[i].area), free(emitters[i].inside);
         free(emitters[i].projection.cumulative), free(emitters[i].projection.weight);
         free(emitters[i].projection.guide);
     }

@@ -41,13 +41,13 @@ static int find_box(const cpm_pass *pass, cpm_emitter *e, int32_t project) {
     const double diagonal = sqrt(diagonal2), margin = MARGIN * (diagonal > 0.0 ? diagonal : 1.0);
     const double wider = project || pass->bounded ? margin : 0.5 * diagonal + margin;
     for (int k = 0; k < 3; k++) box.low[k] -= wider, box.high[k] += wider;
-    e->traced_back = e->confined = is_curved(pass);
+    e->traced_back = is_curved(pass);
     if (e->light->has_aim) {
         box = e->light->aim;
         e->traced_back = 1;
     } else if (!project && pass->bounded) {
         box = pass->extent;
-        e->traced_back = e->confined = 0;
+        e->traced_back = 0;
     } else if (diagonal > PLANET && scene->has_camera) {
         const double *at = scene->camera.origin;
         for (int k = 0; k < 3; k++) {
@@ -170,7 +170,20 @@ static void prepare_sun(const cpm_pass *pass, cpm_emitter *e) {
     e->box = pass->extent;
     memcpy(e->data.low, e->box.low, sizeof e->box.low);
     memcpy(e->data.high, e->box.high, sizeof e->box.high);
-    e->traced_back = e->confined = 0;
+    e->traced_back = 0;
+}
+
+/* The same pass whose extent is the box. */
+static cpm_status confine(const cpm_pass *pass, cpm_emitter *e) {
+    e->inside = malloc(sizeof *e->inside);
+    if (!e->inside) return cpm_fail(pass->context, CPM_ERROR_OUT_OF_MEMORY, "no memory for a light's photons");
+    *e->inside = *pass;
+    e->inside->extent = e->box;
+    e->inside->bounded = 1;
+    memcpy(e->inside->world.frame.low, e->box.low, sizeof e->box.low);
+    memcpy(e->inside->world.frame.high, e->box.high, sizeof e->box.high);
+    e->inside->world.frame.bounded = 1;
+    return CPM_OK;
 }
 
 cpm_status cpm_far_begin(const cpm_pass *pass, cpm_emitter *e, int32_t project, double *factor) {
@@ -182,6 +195,7 @@ cpm_status cpm_far_begin(const cpm_pass *pass, cpm_emitter *e, int32_t project, 
         prepare_sun(pass, e);
     else
         status = prepare_environment(pass, e);
+    if (!status && e->traced_back && is_curved(pass)) status = confine(pass, e);
     const double solid = sun ? CPM_TWO_PI * (1.0 - cpm_cos(e->light->cutoff)) : 2.0 * CPM_TWO_PI;
     e->power_factor = sun ? CPM_TWO_PI * e->data.cutoff : solid;
     double shadow = 0.0, middle[3];
@@ -207,6 +221,20 @@ static void look_back(const cpm_pass *pass, cpm_flight *flights, cpm_arrival *ar
     for (size_t i = 0; i < count; i++) flights[i].direction = cpm_scaled(-1.0, flights[i].direction);
     cpm_follow(pass, flights, count, &options, arrivals);
     for (size_t i = 0; i < count; i++) flights[i].direction = cpm_scaled(-1.0, flights[i].direction);
+}
+
+/* Keeps the paths that meet something before they leave the box. */
+static size_t keep_confined(const cpm_emitter *e, size_t bins, cpm_flight *flights, cpm_arrival *arrivals,
+                            uint32_t *paths, float *powers, size_t count) {
+    size_t kept = 0;
+    cpm_follow(e->inside, flights, count, NULL, arrivals);
+    for (size_t i = 0; i < count; i++) {
+        if (arrivals[i].status != CPM_RAY_HIT) continue;
+        flights[kept] = flights[i], paths[kept] = paths[i];
+        if (kept != i) memcpy(&powers[kept * bins], &powers[i * bins], bins * sizeof *powers);
+        kept++;
+    }
+    return kept;
 }
 
 size_t cpm_far_emit(const cpm_pass *pass, const cpm_emitter *e, uint64_t path, size_t count, cpm_emissions *made,
@@ -243,9 +271,8 @@ size_t cpm_far_emit(const cpm_pass *pass, const cpm_emitter *e, uint64_t path, s
             most = cpm_max(most, (double)to[b]);
         }
         if (!(most > 0.0)) continue;
-        if (e->confined) f.within = &e->box;
         paths[carrying] = (uint32_t)(path + paths[i]);
         flights[carrying++] = f;
     }
-    return carrying;
+    return e->inside ? keep_confined(e, bins, flights, arrivals, paths, powers, carrying) : carrying;
 }

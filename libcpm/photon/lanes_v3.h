@@ -1,9 +1,12 @@
-/* photon/lanes_v3.h: boxes and sums of the search in AVX2 and F16C. */
+/* photon/lanes_v3.h: boxes and sums of the search in AVX2 and F16C, as cl/shared/map_lanes.h has them. */
 #ifndef CPM_PHOTON_LANES_V3_H
 #define CPM_PHOTON_LANES_V3_H
 #include <immintrin.h>
 
 #include "tree.h"
+
+#define CPM_LANES_BOXES
+#define CPM_LANES_SUM
 
 static inline __m256 outside(__m256 q, const float *low, const float *high) {
     const __m256 below = _mm256_sub_ps(_mm256_loadu_ps(low), q), above = _mm256_sub_ps(q, _mm256_loadu_ps(high));

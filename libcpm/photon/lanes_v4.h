@@ -1,9 +1,13 @@
-/* photon/lanes_v4.h: the search in AVX-512: what lanes_any.h and lanes_list.h do, to the last bit. */
+/* photon/lanes_v4.h: the search in AVX-512: what cl/shared/map_lanes.h does, to the last bit. */
 #ifndef CPM_PHOTON_LANES_V4_H
 #define CPM_PHOTON_LANES_V4_H
 #include <immintrin.h>
 
 #include "tree.h"
+
+#define CPM_LANES_BOXES
+#define CPM_LANES_LISTS
+#define CPM_LANES_SUM
 
 static inline __m256 outside(__m256 q, const float *low, const float *high) {
     const __m256 below = _mm256_sub_ps(_mm256_loadu_ps(low), q), above = _mm256_sub_ps(q, _mm256_loadu_ps(high));

@@ -15,6 +15,7 @@
 #include <string.h>
 #include <sys/mman.h>
 
+#include "cl/shared/bins.h"
 #include "map_build.h"
 #include "pages.h"
 
@@ -48,17 +49,19 @@ static cpm_status survey(cpm_builder *b) {
     const cpm_photon *photons = b->given;
     const size_t count = tree->count, bins = tree->bins, limit = tree->spectra_count;
     float lx = FLT_MAX, ly = FLT_MAX, lz = FLT_MAX, hx = -FLT_MAX, hy = -FLT_MAX, hz = -FLT_MAX;
-    size_t bad = count, split = 0;
+    size_t bad = count, split = 0, powers = 0;
 #pragma omp parallel for num_threads(b->threads) schedule(dynamic, SURVEY_CHUNK)                                      \
-    reduction(min : lx, ly, lz, bad) reduction(max : hx, hy, hz) reduction(+ : split)
+    reduction(min : lx, ly, lz, bad) reduction(max : hx, hy, hz) reduction(+ : split, powers)
     for (size_t i = 0; i < count; i++) {
         const float x = photons[i].position[0], y = photons[i].position[1], z = photons[i].position[2];
         lx = x < lx ? x : lx, ly = y < ly ? y : ly, lz = z < lz ? z : lz;
         hx = x > hx ? x : hx, hy = y > hy ? y : hy, hz = z > hz ? z : hz;
         const size_t all = photons[i].bin == CPM_ALL_BINS;
-        const int good = (x - x) + (y - y) + (z - z) == 0.0f && photons[i].spectrum + (all ? bins : 1) <= limit &&
-                         (all || photons[i].bin < bins);
+        const size_t carried = cpm_photon_count(photons[i].bin, (uint32_t)bins);
+        const int good = (x - x) + (y - y) + (z - z) == 0.0f && photons[i].spectrum + carried <= limit &&
+                         cpm_photon_first(photons[i].bin) + carried <= bins;
         split += !all;
+        powers += carried;
         bad = good || bad < i ? bad : i;
     }
     if (bad < count)
@@ -69,7 +72,7 @@ static cpm_status survey(cpm_builder *b) {
                         (double)photons[bad].position[2], photons[bad].bin, photons[bad].spectrum, bins, limit);
     b->low[0] = lx, b->low[1] = ly, b->low[2] = lz, b->high[0] = hx, b->high[1] = hy, b->high[2] = hz;
     tree->unsplit = split == 0;
-    tree->spectra_count = split + (count - split) * bins;
+    tree->spectra_count = powers;
     if (tree->spectra_count > UINT32_MAX)
         return cpm_fail(b->context, CPM_ERROR_UNSUPPORTED, "%zu photons with %zu values; a map holds 2^32 values",
                         count, tree->spectra_count);
@@ -119,7 +122,7 @@ static int32_t move_spectra(cpm_builder *b) {
 #pragma omp parallel for num_threads(b->threads) schedule(dynamic, 1)
         for (size_t c = 0; c < chunks; c++)
             for (size_t i = tree->count * c / chunks; i < tree->count * (c + 1) / chunks; i++)
-                starts[c + 1] += tree->photons[i].bin == CPM_ALL_BINS ? bins : 1;
+                starts[c + 1] += cpm_photon_count(tree->photons[i].bin, (uint32_t)bins);
         for (size_t c = 0; c < chunks; c++) starts[c + 1] += starts[c];
     }
 #pragma omp parallel for num_threads(b->threads) schedule(dynamic, 1)
@@ -134,7 +137,7 @@ static int32_t move_spectra(cpm_builder *b) {
                 __builtin_prefetch(next);
                 __builtin_prefetch(next + 31);
             }
-            const size_t n = p->bin == CPM_ALL_BINS ? bins : 1;
+            const size_t n = cpm_photon_count(p->bin, (uint32_t)bins);
             memcpy(tree->spectra + at, b->given_spectra + p->spectrum, n * sizeof *tree->spectra);
             p->spectrum = (uint32_t)at;
             at += n;

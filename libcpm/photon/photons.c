@@ -6,10 +6,12 @@
 #include <string.h>
 
 #include "backend/backend.h"
+#include "cl/shared/bins.h"
 #include "cl/shared/half.h"
 #include "cl/shared/octahedral.h"
 #include "pages.h"
 
+#define USUAL_NEAREST 150 /* photons of an estimate, where it is not known yet */
 #define FAR_OFF 1e4 /* metres of diagonal: half of it, by a float's 24 bits, is 0.3 mm */
 
 void cpm_photons_retain(cpm_photons *photons) {
@@ -95,6 +97,11 @@ cpm_status cpm_photons_run(const cpm_pass *pass, const cpm_photons_options *o, c
     cpm_photons *p = photons_new(pass);
     *photons = NULL;
     if (!p) return cpm_fail(context, CPM_ERROR_OUT_OF_MEMORY, "no memory for photon maps");
+    if (context->opencl) {
+        cpm_photons_release(p);
+        return cpm_fail(context, CPM_ERROR_UNSUPPORTED,
+                        "an OpenCL device traces rays alone in a medium here; scenes need the native backend");
+    }
 
     cpm_status status =
         cpm_emitters_create(pass, o->photons, o->seed, !o->no_projection, &emitters, &emitter_count, &scale, &p->stats);
@@ -139,7 +146,8 @@ cpm_status cpm_photons_trace(cpm_context *context, cpm_scene *scene, const cpm_p
     status = cpm_pass_begin(context, scene, o.wavelengths, o.wavelength_count, &pass);
     if (status) return status;
     double prepared = cpm_seconds() - start;
-    status = cpm_photons_run(&pass, &o, photons);
+    status = cpm_pass_take_bundles(&pass, o.bundle_tolerance, USUAL_NEAREST);
+    if (!status) status = cpm_photons_run(&pass, &o, photons);
     if (!status) {
         (*photons)->stats.seconds_prepare = prepared;
         (*photons)->stats.seconds_total += prepared;
@@ -181,8 +189,9 @@ static void read_tree(const cpm_photons *p, const cpm_tree *tree, size_t offset,
         }
         if (to->power)
             for (size_t b = 0; b < p->bins; b++) {
-                size_t s = from->bin == CPM_ALL_BINS ? from->spectrum + b : from->spectrum;
-                int carries = from->bin == CPM_ALL_BINS || from->bin == b;
+                const size_t first = cpm_photon_first(from->bin);
+                int carries = b >= first && b < first + cpm_photon_count(from->bin, (uint32_t)p->bins);
+                size_t s = from->spectrum + (carries ? b - first : 0);
                 to->power[at * p->bins + b] = carries ? (float)(scale * (double)cpm_half_to_float(spectra[s])) : 0.0f;
             }
         if (to->wavelength)

@@ -6,7 +6,7 @@
 #define CPM_PHOTON_PHOTONS_H
 #include <stdatomic.h>
 
-#include "backend/native/cross.h"
+#include "backend/native/bundles.h"
 #include "cl/types/photon.h"
 #include "photon/map.h"
 #include "photon/pass_lanes.h"
@@ -54,7 +54,7 @@ typedef struct cpm_emitter {
     size_t number;             /* of the light */
     cpm_box box;               /* far light: what its paths cross first */
     int32_t traced_back;       /* far light: what a path brings is found by tracing it back to the extent */
-    int32_t confined;          /* far light: paths that leave the box unscattered end there; see far.c */
+    cpm_pass *inside;          /* far light where light bends: the pass with the box for its extent; NULL: none */
 } cpm_emitter;
 
 /* project.c */
@@ -77,6 +77,12 @@ cpm_status cpm_far_begin(const cpm_pass *pass, cpm_emitter *emitter, int32_t pro
  * its bin there. `arrivals` is scratch; all hold CPM_BLOCK x bins. */
 size_t cpm_far_emit(const cpm_pass *pass, const cpm_emitter *emitter, uint64_t path, size_t count, cpm_emissions *made,
                     cpm_flight *flights, cpm_arrival *arrivals, uint32_t *paths, float *powers);
+/* Powers of a path of weight 1 that starts so, over the scale: bins, e->weight or `own` filled in. */
+const float *cpm_emit_spectrum(const cpm_pass *pass, const cpm_emitter *emitter, const cpm_flight *flight, float *own);
+
+/* How far apart bins of one path may be and go one way: the pass's tolerance of the circle that `nearest` paths of this
+ * light fill, one of them weighing `weight`, if nothing focuses them. */
+cpm_leeway cpm_emitter_leeway(const cpm_pass *pass, const cpm_emitter *emitter, float weight);
 
 /* trace.c: the pass itself, into per-population stores (opened here; the caller frees them, also on failure) and the
  * energy table (CPM_ENERGY_ROWS x bins, over the scale). */

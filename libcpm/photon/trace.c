@@ -9,6 +9,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "backend/native/bundles.h"
 #include "backend/native/parabolas.h"
 #include "cl/shared/scatter.h"
 #include "cl/shared/store.h"
@@ -16,6 +17,7 @@
 
 #define BATCH 512
 #define MEMORY_SHARE 0.4 /* of the machine's, for stored photons: building their map takes as much again */
+#define SHARP 1e-12 /* radians between refracted colours of one path: caustics are finer than any circle of photons */
 #define MAX_BOUNCES 4096 /* a closed room of albedo 1 would keep its photons for ever: beyond, they are lost */
 
 typedef struct walker { /* what a path has been through */
@@ -26,10 +28,11 @@ typedef struct walker { /* what a path has been through */
     uint8_t direct;     /* nothing met so far */
 } walker;
 
-typedef struct crowd { /* a batch's live paths; powers: bins floats each */
+typedef struct crowd { /* a batch's live paths; powers: room for bins floats each, those of its own bins come first */
     walker *walkers;
     cpm_flight *flights;
     float *powers;
+    cpm_leeway *leeways; /* NULL: bundles part wherever a medium disperses */
     size_t count, capacity, bins;
 } crowd;
 
@@ -46,7 +49,10 @@ typedef struct task { /* one thread's */
     double *energy; /* CPM_ENERGY_ROWS x bins: this batch's */
     uint64_t segments, lost, emitted, stored_bytes;
     double evaluations;
-    crowd now, next;
+    int together; /* bundles may stay together where a medium disperses */
+    crowd now, next, parted;
+    cpm_bundles bundles;
+    cpm_leeway leeway;     /* of the path that is dealt with, where it has arrived */
     cpm_arrival *arrivals; /* of a part of `now` */
     size_t arrival_capacity;
     union { /* scratch of one block */
@@ -72,10 +78,15 @@ typedef struct task { /* one thread's */
 
 /* ------------------------------------------------------------------------------------------------ live paths */
 
-static int crowd_reserve(crowd *c, size_t more) {
+static int crowd_reserve(crowd *c, size_t more, int together) {
     size_t wanted = c->count + more;
     if (wanted <= c->capacity) return 1;
     size_t capacity = wanted + wanted / 2;
+    if (together) {
+        void *leeways = realloc(c->leeways, capacity * sizeof *c->leeways);
+        if (!leeways) return 0;
+        c->leeways = leeways;
+    }
     void *walkers = realloc(c->walkers, capacity * sizeof *c->walkers);
     if (walkers) c->walkers = walkers;
     void *flights = realloc(c->flights, capacity * sizeof *c->flights);
@@ -87,14 +98,15 @@ static int crowd_reserve(crowd *c, size_t more) {
     return 1;
 }
 
-static void crowd_free(crowd *c) { free(c->walkers), free(c->powers), free(c->flights); }
+static void crowd_free(crowd *c) { free(c->walkers), free(c->powers), free(c->flights), free(c->leeways); }
 
 /* A path goes on. */
 static void survive(task *t, const walker *w, const cpm_flight *flight, const float *powers, size_t count) {
-    if (!crowd_reserve(&t->next, 1)) {
+    if (!crowd_reserve(&t->next, 1, t->together)) {
         t->failed = 1;
         return;
     }
+    if (t->together) t->next.leeways[t->next.count] = t->leeway;
     memcpy(&t->next.powers[t->next.count * t->next.bins], powers, count * sizeof *powers);
     t->next.walkers[t->next.count] = *w;
     t->next.flights[t->next.count] = *flight;
@@ -103,8 +115,8 @@ static void survive(task *t, const walker *w, const cpm_flight *flight, const fl
 
 /* Bins that a flight carries: [*first, *first + count). */
 static size_t carried(const task *t, const cpm_flight *flight, size_t *first) {
-    *first = flight->bin < 0 ? 0 : (size_t)flight->bin;
-    return flight->bin < 0 ? t->pass->bins : 1;
+    *first = (size_t)cpm_bins_first(flight->bin);
+    return (size_t)cpm_bins_count(flight->bin, (int32_t)t->pass->bins);
 }
 
 static void account(task *t, const cpm_flight *flight, const float *powers, int row) {
@@ -161,7 +173,7 @@ static void store(task *t, const walker *w, const cpm_flight *flight, const cpm_
     cpm_photon_pack(photon, cpm_sub(a->hit.position, t->origin), direction, normal, index, w->path, w->bounce,
                     flight->bin);
     p->spectrum = &t->parts[population].store->spectra[index];
-    p->dither = cpm_dither_start(w->path, w->bounce, flight->bin < 0 ? CPM_ALL_BINS : (uint32_t)flight->bin);
+    p->dither = cpm_dither_start(w->path, w->bounce, cpm_bins_stored(flight->bin));
     t->stored_bytes += sizeof *photon + p->bins * sizeof *p->spectrum;
 }
 
@@ -176,7 +188,7 @@ static void describe(const task *t, size_t first, const encounter *met, size_t c
         const walker *w = &t->now.walkers[first + met[k].number];
         const cpm_flight *f = &t->now.flights[first + met[k].number];
         const cpm_arrival *a = &t->arrivals[met[k].number];
-        const cpm_facet facet = cpm_facet_of(t->pass->scene, &a->hit);
+        const cpm_facet facet = world_facet(&t->pass->world, a->hit.primitive, a->hit.position);
         m->came[0][k] = a->direction.x, m->came[1][k] = a->direction.y, m->came[2][k] = a->direction.z;
         m->start[0][k] = f->position.x, m->start[1][k] = f->position.y, m->start[2][k] = f->position.z;
         m->hit[0][k] = a->hit.position.x, m->hit[1][k] = a->hit.position.y, m->hit[2][k] = a->hit.position.z;
@@ -195,7 +207,7 @@ static void meet_diffuse(task *t, size_t first, const encounter *met, size_t cou
     cpm_powers *powers = t->block.meeting.powers;
     describe(t, first, met, count, m);
     t->code->meet(t->seed, cpm_geometry_scale(t->pass->geometry), count, m);
-    if (!crowd_reserve(&t->next, count + 1)) t->failed = 1;
+    if (!crowd_reserve(&t->next, count + 1, t->together)) t->failed = 1;
     size_t survivors = t->next.count;
     for (size_t k = 0; k < count && !t->failed; k++) {
         const walker *w = &t->now.walkers[first + met[k].number];
@@ -208,6 +220,7 @@ static void meet_diffuse(task *t, size_t first, const encounter *met, size_t cou
         if (black || !powers[k].alive) continue;
         /* field by field where they belong: a copy of what has just been written would wait for it */
         walker *next = &t->next.walkers[survivors];
+        if (t->together) t->next.leeways[survivors] = cpm_leeway_after(&t->now.leeways[first + met[k].number], f, a);
         cpm_flight *to = &t->next.flights[survivors++];
         next->path = w->path;
         next->bounce = (uint16_t)(w->bounce + 1);
@@ -219,7 +232,6 @@ static void meet_diffuse(task *t, size_t first, const encounter *met, size_t cou
         to->bin = f->bin;
         to->exact = cpm_geometry_near_edge(t->pass->geometry, &a->hit);
         to->crossing = 0;
-        to->within = NULL;
     }
     if (t->failed) return;
     const cpm_roulette_rows rows = rows_of(t);
@@ -248,17 +260,18 @@ static void meet_mirror(task *t, walker *w, const cpm_flight *f, const cpm_arriv
 static void meet_boundary(task *t, walker *w, const cpm_flight *f, const cpm_arrival *a, const float *powers) {
     const cpm_pass *pass = t->pass;
     cpm_passage passage;
-    if (cpm_splits(pass, f, a)) { /* each wavelength its own way */
-        for (size_t b = 0; b < pass->bins; b++) {
-            if (powers[b] == 0.0f) continue;
+    size_t first, count = carried(t, f, &first);
+    if (cpm_bundle_parts(pass, f, a, t->together ? SHARP : 0.0)) { /* each its own way */
+        for (int upper = 0; upper < 2; upper++) {
             walker one = *w;
-            cpm_flight alone = *f;
-            alone.bin = (int32_t)b;
-            meet_boundary(t, &one, &alone, a, &powers[b]);
+            cpm_flight half;
+            cpm_arrival at;
+            const size_t before = cpm_bundle_half(pass, f, a, upper, &half, &at);
+            meet_boundary(t, &one, &half, &at, &powers[before]);
         }
         return;
     }
-    size_t first, count = carried(t, f, &first);
+    if (count == 1 && powers[0] == 0.0f) return; /* a dark bin of a bundle that has just parted */
     if (!cpm_pass_boundary(pass, f, a, &passage)) {
         account(t, f, powers, CPM_ESCAPED);
         t->lost++;
@@ -313,10 +326,36 @@ static void start_apart(task *t, uint32_t path, cpm_flight *flight) {
     }
 }
 
+/* A path starts with all its bins; its powers are there. */
+static void start(task *t, const cpm_emitter *e, uint32_t path, float weight, const cpm_flight *flight) {
+    walker *w = &t->next.walkers[t->next.count];
+    if (t->together) t->next.leeways[t->next.count] = cpm_emitter_leeway(t->pass, e, weight);
+    t->next.flights[t->next.count++] = *flight;
+    w->path = path;
+    w->bounce = w->crossings = w->specular = 0;
+    w->direct = 1;
+}
+
+/* The same where something disperses. */
+static void start_dispersed(task *t, const cpm_emitter *e, uint32_t path, float weight, cpm_flight *flight,
+                            double *emitted) {
+    float own[CPM_MAX_BINS];
+    if (!crowd_reserve(&t->next, 1, t->together)) {
+        t->failed = 1;
+        return;
+    }
+    t->code->power(&weight, 1, cpm_emit_spectrum(t->pass, e, flight, own), t->next.bins,
+                   &t->next.powers[t->next.count * t->next.bins], emitted);
+    if (t->pass->disperses[cpm_region_medium(&flight->region)] && !t->together)
+        start_apart(t, path, flight);
+    else
+        start(t, e, path, weight, flight);
+}
+
 /* Paths that one emitter starts, at most a block. */
 static void emit_block(task *t, const cpm_emitter *e, uint64_t path, size_t count) {
     const size_t bins = t->pass->bins;
-    const int apart = (t->pass->features & CPM_FEATURE_DISPERSION) != 0;
+    const int disperses = (t->pass->features & CPM_FEATURE_DISPERSION) != 0;
     cpm_flight *flights = t->block.emission.flights;
     const float *weights = t->block.emission.weights;
     const uint32_t *paths = t->block.emission.paths;
@@ -324,26 +363,14 @@ static void emit_block(task *t, const cpm_emitter *e, uint64_t path, size_t coun
     count = cpm_emit(t->pass, e, path, count, &t->block.emission.made, flights, t->block.emission.paths,
                      t->block.emission.weights);
     t->emitted += count;
-    if (!crowd_reserve(&t->next, count)) t->failed = 1;
-    if (!apart && !t->failed)
+    if (!crowd_reserve(&t->next, count, t->together)) t->failed = 1;
+    if (!disperses && !t->failed)
         t->code->power(weights, count, e->weight, bins, &t->next.powers[t->next.count * bins], emitted);
     for (size_t i = 0; i < count && !t->failed; i++) {
-        if (apart) {
-            if (!crowd_reserve(&t->next, 1))
-                t->failed = 1;
-            else
-                t->code->power(&weights[i], 1, e->weight, bins, &t->next.powers[t->next.count * bins], emitted);
-            if (t->failed) return;
-            if (t->pass->disperses[cpm_region_medium(&flights[i].region)]) {
-                start_apart(t, paths[i], &flights[i]);
-                continue;
-            }
-        }
-        walker *w = &t->next.walkers[t->next.count];
-        t->next.flights[t->next.count++] = flights[i];
-        w->path = paths[i];
-        w->bounce = w->crossings = w->specular = 0;
-        w->direct = 1;
+        if (disperses)
+            start_dispersed(t, e, paths[i], weights[i], &flights[i], emitted);
+        else
+            start(t, e, paths[i], weights[i], &flights[i]);
     }
 }
 
@@ -397,13 +424,13 @@ static int arrivals_reserve(task *t, size_t count) {
     return !t->failed;
 }
 
-/* Paths [first, first + count) of `now` fly to what they meet, and are dealt with there. */
-static void advance(task *t, size_t first, size_t count) {
+/* Paths [first, first + count) of `now` have arrived, and are dealt with. */
+static void deal(task *t, size_t first, size_t count) {
     encounter met[CPM_BLOCK];
     size_t n = 0;
-    cpm_follow(t->pass, &t->now.flights[first], count, NULL, t->arrivals);
-    t->segments += count;
     for (size_t i = 0; i < count && !t->failed; i++) {
+        if (t->together)
+            t->leeway = cpm_leeway_after(&t->now.leeways[first + i], &t->now.flights[first + i], &t->arrivals[i]);
         const int32_t material = arrive(t, first + i, &t->arrivals[i]);
         if (material != CPM_NO_MATERIAL) met[n++] = (encounter){(uint32_t)i, material};
         if (n == CPM_BLOCK || (n && i + 1 == count)) {
@@ -413,9 +440,59 @@ static void advance(task *t, size_t first, size_t count) {
     }
 }
 
+/* Paths [first, first + count) of `now` fly to what they meet, and are dealt with there. */
+static void advance(task *t, size_t first, size_t count) {
+    if (!arrivals_reserve(t, count)) return;
+    cpm_follow(t->pass, &t->now.flights[first], count, NULL, t->arrivals);
+    t->segments += count;
+    deal(t, first, count);
+}
+
+static int is_dark(const float *powers, size_t count) {
+    for (size_t b = 0; b < count; b++)
+        if (powers[b] > 0.0f) return 0;
+    return 1;
+}
+
+/* The same where bundles may stay together: those that part become several paths on the way. */
+static void advance_bundles(task *t, size_t first, size_t count) {
+    const cpm_pass *pass = t->pass;
+    cpm_bundles *b = &t->bundles;
+    crowd *to = &t->parted;
+    const crowd from = t->now;
+    to->count = 0;
+    if (!cpm_follow_bundles(b, pass, CPM_BUNDLES_OF_PHOTONS, &from.flights[first], &from.leeways[first], count) ||
+        !crowd_reserve(to, b->count, 1) || !arrivals_reserve(t, b->count)) {
+        t->failed = 1;
+        return;
+    }
+    t->segments += b->followed;
+    for (size_t i = 0; i < b->count; i++) {
+        const cpm_parted *p = &b->parted[i];
+        const size_t at = first + p->from, all = pass->bins, n = to->count;
+        const int32_t before = cpm_bins_first(p->bin) - cpm_bins_first(from.flights[at].bin);
+        const size_t carries = (size_t)cpm_bins_count(p->bin, (int32_t)all);
+        const float *powers = &from.powers[at * all + (size_t)before];
+        t->evaluations += p->arrival.evaluations;
+        if (is_dark(powers, carries)) continue;
+        memcpy(&to->powers[n * all], powers, carries * sizeof *powers);
+        to->walkers[n] = from.walkers[at];
+        to->flights[n] = from.flights[at];
+        to->flights[n].bin = p->bin;
+        to->leeways[n] = from.leeways[at];
+        t->arrivals[n] = p->arrival;
+        t->arrivals[n].evaluations = 0.0; /* counted */
+        to->count++;
+    }
+    t->now = *to;
+    deal(t, 0, t->now.count);
+    t->now = from;
+}
+
 /* Paths that are followed at a time: few, so that their arrivals stay in the nearest cache, but as many as fill the
  * lanes of curved rays. */
 static size_t share_of(const task *t) {
+    if (t->together) return 64 + 4096 / t->pass->bins; /* enough for lanes, and their paths are not too many */
     if (t->pass->features & CPM_FEATURE_INTEGRATOR) return t->now.count;
     return t->pass->features & CPM_FEATURE_CURVED ? CPM_PARABOLAS : CPM_BLOCK;
 }
@@ -429,9 +506,13 @@ static void run_batch(task *t, uint64_t first, uint64_t end) {
         t->next = swap;
         t->next.count = 0;
         const size_t share = share_of(t);
-        if (!arrivals_reserve(t, share)) return;
-        for (size_t i = 0; i < t->now.count && !t->failed; i += share)
-            advance(t, i, t->now.count - i < share ? t->now.count - i : share);
+        for (size_t i = 0; i < t->now.count && !t->failed; i += share) {
+            const size_t count = t->now.count - i < share ? t->now.count - i : share;
+            if (t->together)
+                advance_bundles(t, i, count);
+            else
+                advance(t, i, count);
+        }
     }
 }
 
@@ -530,10 +611,12 @@ cpm_status cpm_trace_paths(const cpm_pass *pass, const cpm_emitter *emitters, si
                   .origin = origin};
         const int number = omp_get_thread_num();
         for (int p = 0; p < CPM_POPULATIONS; p++) t.parts[p].store = &stores[p];
-        t.now.bins = t.next.bins = pass->bins;
+        t.now.bins = t.next.bins = t.parted.bins = pass->bins;
+        t.together = cpm_pass_bundles(pass);
         if (!shared.failed) work(&t, &shared, number == 0);
-        crowd_free(&t.now), crowd_free(&t.next), free(t.arrivals);
         free(t.far.flights), free(t.far.arrivals), free(t.far.paths), free(t.far.powers);
+        crowd_free(&t.now), crowd_free(&t.next), crowd_free(&t.parted), free(t.arrivals);
+        cpm_bundles_free(&t.bundles);
         for (int p = 0; p < CPM_POPULATIONS && !shared.failed; p++) shared.parts[p * threads + number] = t.parts[p];
 #pragma omp critical(cpm_collect)
         {

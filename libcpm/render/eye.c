@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "backend/native/bundles.h"
 #include "cl/shared/scatter.h"
 #include "cl/shared/shade.h"
 
@@ -19,6 +20,7 @@ typedef struct glance { /* one branch of an eye ray */
     cpm_flight flight;
     int32_t pixel; /* in the tile */
     int32_t depth;
+    cpm_leeway leeway; /* of its bins, a part of the pixel */
 } glance;
 
 typedef struct gaze { /* a tile's live branches */
@@ -26,6 +28,7 @@ typedef struct gaze { /* a tile's live branches */
     float *weights; /* bins each */
     cpm_flight *flights;
     cpm_arrival *arrivals;
+    cpm_leeway *leeways; /* used where bundles may stay together */
     size_t count, capacity;
 } gaze;
 
@@ -39,7 +42,9 @@ typedef struct viewer {
     uint64_t seed;
     int32_t samples, splits;
     double *irradiance, *scratch, *sum; /* bins; bins; tile x bins */
+    double pixel;                       /* radians of leeway in the picture's middle */
     gaze now, next;
+    cpm_bundles bundles;
     uint64_t rays, segments, gathers;
     double evaluations;
     int failed;
@@ -56,18 +61,29 @@ static int gaze_reserve(gaze *g, size_t bins, size_t more) {
     if (flights) g->flights = flights;
     void *arrivals = realloc(g->arrivals, capacity * sizeof *g->arrivals);
     if (arrivals) g->arrivals = arrivals;
-    if (!all || !weights || !flights || !arrivals) return 0;
+    void *leeways = realloc(g->leeways, capacity * sizeof *g->leeways);
+    if (leeways) g->leeways = leeways;
+    if (!all || !weights || !flights || !arrivals || !leeways) return 0;
     g->capacity = capacity;
     return 1;
 }
 
-static void gaze_free(gaze *g) { free(g->all), free(g->weights), free(g->flights), free(g->arrivals); }
+static void gaze_free(gaze *g) {
+    free(g->all), free(g->weights), free(g->flights), free(g->arrivals), free(g->leeways);
+}
 
-/* A branch: `weights` times `factor`, times `spectrum` unless NULL. Single-bin flights use weights[0]. */
+/* Bins that a flight stands for: [*first, *first + count). */
+static size_t carried(const viewer *v, const cpm_flight *flight, size_t *first) {
+    *first = (size_t)cpm_bins_first(flight->bin);
+    return (size_t)cpm_bins_count(flight->bin, (int32_t)v->pass->bins);
+}
+
+/* A branch: `weights` times `factor`, times `spectrum` unless NULL. Weights are those of the flight's own bins. */
 static void branch(viewer *v, const glance *from, const cpm_flight *flight, const float *weights, double factor,
                    const float *spectrum) {
-    const size_t bins = v->pass->bins, count = flight->bin < 0 ? bins : 1;
-    const size_t first = flight->bin < 0 ? 0 : (size_t)flight->bin;
+    const size_t bins = v->pass->bins;
+    size_t first;
+    const size_t count = carried(v, flight, &first);
     if (from->depth >= MAX_DEPTH) return;
     if (!gaze_reserve(&v->next, bins, 1)) {
         v->failed = 1;
@@ -87,8 +103,11 @@ static void branch(viewer *v, const glance *from, const cpm_flight *flight, cons
 
 static void see_surface(viewer *v, const glance *g, const cpm_arrival *a, const float *weights, const shape *s) {
     const cpm_pass *pass = v->pass;
-    const size_t bins = pass->bins, count = g->flight.bin < 0 ? bins : 1;
-    const size_t first = g->flight.bin < 0 ? 0 : (size_t)g->flight.bin;
+    const size_t bins = pass->bins;
+    size_t first;
+    const size_t count = carried(v, &g->flight, &first);
+    const int32_t medium = cpm_region_medium(&g->flight.region);
+    const int together = count > 1 && pass->disperses[medium]; /* one way, but each its own n */
     cpm_vec geometric = cpm_geometric_normal(pass->scene, &a->hit);
     int front = cpm_vdot(geometric, a->direction) < 0.0;
     cpm_vec facing = front ? geometric : cpm_scaled(-1.0, geometric);
@@ -109,19 +128,22 @@ static void see_surface(viewer *v, const glance *g, const cpm_arrival *a, const 
     cpm_gather_irradiance(v->gather, v->queries, a->hit.position, cpm_shading_normal(pass->scene, &a->hit, facing),
                           v->irradiance, v->scratch);
     v->gathers++;
-    for (size_t b = 0; b < count; b++)
+    for (size_t b = 0; b < count; b++) {
+        const double n = together ? cpm_pass_index(pass, medium, (int32_t)(first + b), a->hit.position) : a->n;
         sum[first + b] += cpm_shade_diffuse(weights[b], reflectance[first + b], v->irradiance[first + b],
-                                            v->squared_index[first + b], a->n);
+                                            v->squared_index[first + b], n);
+    }
 }
 
 static void see_boundary(viewer *v, const glance *g, const cpm_arrival *a, const float *weights) {
     const cpm_pass *pass = v->pass;
     cpm_passage passage;
-    if (cpm_splits(pass, &g->flight, a)) {
-        for (size_t b = 0; b < pass->bins; b++) {
-            glance one = *g;
-            one.flight.bin = (int32_t)b;
-            see_boundary(v, &one, a, &weights[b]);
+    if (cpm_bundle_parts(pass, &g->flight, a, g->leeway.angle)) {
+        for (int upper = 0; upper < 2; upper++) {
+            glance half = *g;
+            cpm_arrival at;
+            const size_t before = cpm_bundle_half(pass, &g->flight, a, upper, &half.flight, &at);
+            see_boundary(v, &half, &at, &weights[before]);
         }
         return;
     }
@@ -133,7 +155,8 @@ static void see_boundary(viewer *v, const glance *g, const cpm_arrival *a, const
 /* Suns and environments, in the direction in which the ray left. */
 static void see_sky(viewer *v, const glance *g, const cpm_arrival *a, const float *weights) {
     const cpm_pass *pass = v->pass;
-    const size_t count = g->flight.bin < 0 ? pass->bins : 1, first = g->flight.bin < 0 ? 0 : (size_t)g->flight.bin;
+    const size_t first = (size_t)cpm_bins_first(g->flight.bin);
+    const size_t count = (size_t)cpm_bins_count(g->flight.bin, (int32_t)pass->bins);
     double *sum = &v->sum[(size_t)g->pixel * pass->bins];
     for (size_t l = 0; l < pass->scene->light_count; l++) {
         if (!cpm_sky_radiance(pass, l, a->direction, first, count, v->scratch)) continue;
@@ -144,7 +167,6 @@ static void see_sky(viewer *v, const glance *g, const cpm_arrival *a, const floa
 
 static void see(viewer *v, const glance *g, const cpm_arrival *a, const float *weights) {
     const cpm_scene *scene = v->pass->scene;
-    v->segments++;
     v->evaluations += a->evaluations;
     if (a->status == CPM_RAY_LEFT && v->pass->sky) see_sky(v, g, a, weights);
     if (a->status != CPM_RAY_HIT) return;
@@ -170,6 +192,8 @@ static void look(viewer *v, int32_t column, int32_t row, int32_t pixel, const cp
             eye_direction(v->forward, v->right, v->up, column + x, row + y, image->width, image->height);
         g.flight.region = v->region;
         g.flight.left = -1;
+        const double cosine = cpm_vdot(g.flight.direction, v->forward); /* a pixel off the middle is smaller */
+        g.leeway.angle = v->pixel * cosine * cosine;
         v->rays++;
         for (size_t bin = 0; bin < (v->splits ? bins : 1); bin++) {
             g.flight.bin = v->splits ? (int32_t)bin : -1;
@@ -178,34 +202,68 @@ static void look(viewer *v, int32_t column, int32_t row, int32_t pixel, const cp
     }
 }
 
-/* Rays that may see the sky are followed until they leave, not only until they cannot come back: light still bends. */
+/* Rays that may see the sky are followed until they leave, not only until they cannot come back: light still bends; and
+ * where air dims, how much of it was on the way is measured. */
 static const cpm_follow_options to_the_extent = {.far = INFINITY};
+static const cpm_follow_options *options_of(const cpm_pass *pass) {
+    return pass->sky || pass->extinction ? &to_the_extent : NULL;
+}
 
-/* What air takes on the way. */
-static void dim(viewer *v) {
+/* What air takes on the way, from the weights of the bins that a flight carries. */
+static void dim(const viewer *v, const cpm_flight *f, const cpm_arrival *a, float *weights) {
+    if (!v->pass->extinction) return;
+    const size_t first = (size_t)cpm_bins_first(f->bin);
+    const size_t count = (size_t)cpm_bins_count(f->bin, (int32_t)v->pass->bins);
+    for (size_t b = 0; b < count; b++) weights[b] *= (float)cpm_transmittance(v->pass, f, a, first + b);
+}
+
+/* All live branches to their next surface, and what they see there. */
+static void follow_now(viewer *v) {
     const size_t bins = v->pass->bins;
-    for (size_t i = 0; i < v->now.count; i++) {
-        const cpm_flight *f = &v->now.flights[i];
-        const size_t first = f->bin < 0 ? 0 : (size_t)f->bin, count = f->bin < 0 ? bins : 1;
-        for (size_t b = 0; b < count; b++)
-            v->now.weights[i * bins + b] *= (float)cpm_transmittance(v->pass, f, &v->now.arrivals[i], first + b);
+    cpm_follow(v->pass, v->now.flights, v->now.count, options_of(v->pass), v->now.arrivals);
+    v->segments += v->now.count;
+    for (size_t i = 0; i < v->now.count && !v->failed && !cpm_poll(v->pass->context); i++) {
+        dim(v, &v->now.flights[i], &v->now.arrivals[i], &v->now.weights[i * bins]);
+        see(v, &v->now.all[i], &v->now.arrivals[i], &v->now.weights[i * bins]);
+    }
+}
+
+/* The same where bins of one ray may stay together in a medium that disperses. */
+static void follow_now_in_bundles(viewer *v) {
+    const size_t bins = v->pass->bins;
+    cpm_bundles *b = &v->bundles;
+    for (size_t i = 0; i < v->now.count; i++) v->now.leeways[i] = v->now.all[i].leeway;
+    b->options = options_of(v->pass);
+    if (!cpm_follow_bundles(b, v->pass, CPM_BUNDLES_OF_EYE, v->now.flights, v->now.leeways, v->now.count)) {
+        v->failed = 1;
+        return;
+    }
+    v->segments += b->followed;
+    for (size_t i = 0; i < b->count && !v->failed && !cpm_poll(v->pass->context); i++) {
+        const cpm_parted *p = &b->parted[i];
+        glance g = v->now.all[p->from];
+        const size_t before = (size_t)(cpm_bins_first(p->bin) - cpm_bins_first(g.flight.bin));
+        g.leeway = cpm_leeway_after(&g.leeway, &g.flight, &p->arrival);
+        g.flight.bin = p->bin;
+        float *weights = &v->now.weights[p->from * bins + before];
+        dim(v, &g.flight, &p->arrival, weights);
+        see(v, &g, &p->arrival, weights);
     }
 }
 
 /* The live branches to their ends: all of them to their next surface, then those that go on. */
 static void follow_branches(viewer *v) {
     cpm_context *context = v->pass->context;
-    const int measured = v->pass->sky || v->pass->extinction;
     while (v->next.count && !v->failed && !cpm_poll(context)) {
         gaze swap = v->now;
         v->now = v->next;
         v->next = swap;
         v->next.count = 0;
         for (size_t i = 0; i < v->now.count; i++) v->now.flights[i] = v->now.all[i].flight;
-        cpm_follow(v->pass, v->now.flights, v->now.count, measured ? &to_the_extent : NULL, v->now.arrivals);
-        if (v->pass->extinction) dim(v);
-        for (size_t i = 0; i < v->now.count && !v->failed && !cpm_poll(context); i++)
-            see(v, &v->now.all[i], &v->now.arrivals[i], &v->now.weights[i * v->pass->bins]);
+        if (cpm_pass_bundles(v->pass))
+            follow_now_in_bundles(v);
+        else
+            follow_now(v);
     }
 }
 
@@ -237,6 +295,7 @@ static void set_camera(viewer *v, const cpm_camera *c, const cpm_image *image) {
     cpm_vec right = cpm_unit(cpm_cross(v->forward, up));
     v->up = cpm_scaled(half * image->height / image->width, cpm_cross(right, v->forward));
     v->right = cpm_scaled(half, right);
+    v->pixel = v->pass->bundle_tolerance * 2.0 * half / image->width;
     v->region = cpm_region_at(v->pass, v->origin, v->forward);
 }
 
@@ -249,7 +308,7 @@ cpm_status cpm_eye_pass(const cpm_pass *pass, const cpm_gather *gather, uint64_t
     viewer model = {.pass = pass, .gather = gather, .seed = seed, .samples = samples, .squared_index = squared_index};
     set_camera(&model, &pass->scene->camera, image);
     int32_t medium = cpm_region_medium(&model.region);
-    model.splits = pass->disperses[medium];
+    model.splits = pass->disperses[medium] && !cpm_pass_bundles(pass);
     for (size_t b = 0; b < bins; b++) {
         double n = cpm_pass_index(pass, medium, (int32_t)b, model.origin);
         if (!(n > 0.0))
@@ -279,7 +338,7 @@ cpm_status cpm_eye_pass(const cpm_pass *pass, const cpm_gather *gather, uint64_t
         }
         if (omp_get_thread_num() == 0) cpm_wait(context, &done, tiles);
         cpm_gather_queries_free(v.queries);
-        gaze_free(&v.now), gaze_free(&v.next);
+        gaze_free(&v.now), gaze_free(&v.next), cpm_bundles_free(&v.bundles);
         free(v.irradiance), free(v.scratch), free(v.sum);
 #pragma omp critical(cpm_collect)
         {

@@ -57,12 +57,13 @@ cpm_status cpm_image_render(cpm_context *context, cpm_scene *scene, const cpm_re
     status = cpm_pass_begin(context, scene, o.wavelengths, o.wavelength_count, &pass);
     double prepared = cpm_seconds() - start;
     if (!status) {
+        status = cpm_pass_take_bundles(&pass, o.bundle_tolerance, o.nearest);
         const cpm_photons_options p = {.struct_size = sizeof p,
                                        .photons = o.photons,
                                        .seed = o.seed,
                                        .no_projection = o.no_projection,
                                        .batch = o.batch};
-        status = cpm_photons_run(&pass, &p, &photons);
+        if (!status) status = cpm_photons_run(&pass, &p, &photons);
         if (!status) status = gather_picture(&pass, photons, &o, film);
         cpm_pass_end(&pass);
     }
@@ -93,7 +94,8 @@ cpm_status cpm_image_gather(cpm_context *context, cpm_scene *scene, cpm_photons 
     cpm_progress_begin(context);
     status = cpm_pass_begin(context, scene, photons->wavelengths, photons->bins, &pass);
     if (!status) {
-        status = gather_picture(&pass, photons, &o, film);
+        status = cpm_pass_take_bundles(&pass, o.bundle_tolerance, o.nearest);
+        if (!status) status = gather_picture(&pass, photons, &o, film);
         cpm_pass_end(&pass);
     }
     film->stats.seconds_total += cpm_seconds() - start;

@@ -6,8 +6,10 @@
 #include <string.h>
 
 #include "medium/method.h"
+#include "world.h"
 
 #define NUDGE 1e-9 /* of the scene's size */
+#define MOST_TOLERANCE 100.0 /* of bundles, in pixels */
 
 cpm_status cpm_check_wavelengths(cpm_context *context, const double *wavelengths, size_t count) {
     if (!wavelengths || !count || count > CPM_MAX_BINS)
@@ -138,9 +140,6 @@ cpm_status cpm_pass_begin(cpm_context *context, cpm_scene *scene, const double *
 cpm_status cpm_pass_begin_with(cpm_context *context, cpm_scene *scene, const cpm_scene_options *options,
                                const double *wavelengths, size_t bins, cpm_pass *pass) {
     memset(pass, 0, sizeof *pass);
-    if (context->opencl)
-        return cpm_fail(context, CPM_ERROR_UNSUPPORTED,
-                        "an OpenCL device traces rays alone in a medium here; scenes need the native backend");
     pass->options = *options;
     pass->context = context;
     pass->scene = scene;
@@ -174,22 +173,32 @@ cpm_status cpm_pass_begin_with(cpm_context *context, cpm_scene *scene, const cpm
     if (!status) {
         pass->geometry = scene->geometry;
         find_extent(pass);
-    } else {
-        cpm_pass_end(pass);
+        if (!cpm_world_begin(pass)) status = cpm_fail(context, CPM_ERROR_OUT_OF_MEMORY, "no memory for a pass");
     }
+    if (status) cpm_pass_end(pass);
     return status;
+}
+
+cpm_status cpm_pass_take_bundles(cpm_pass *pass, double tolerance, int32_t nearest) {
+    if (!(tolerance >= 0.0 && tolerance <= MOST_TOLERANCE))
+        return cpm_fail(pass->context, CPM_ERROR_INVALID_ARGUMENT, "bundle_tolerance is %g; allowed: 0 to %g",
+                        tolerance, MOST_TOLERANCE);
+    pass->bundle_tolerance = tolerance;
+    pass->nearest = nearest;
+    return CPM_OK;
 }
 
 void cpm_pass_end(cpm_pass *pass) {
     cpm_sky_end(pass);
     free(pass->extinction);
+    cpm_world_end(pass);
     free(pass->wavelengths), free(pass->reflectance), free(pass->reflectance_max), free(pass->scale);
     free(pass->index), free(pass->disperses), free(pass->way), free(pass->method), free(pass->emission);
     memset(pass, 0, sizeof *pass);
 }
 
 double cpm_pass_index(const cpm_pass *pass, int32_t medium, int32_t bin, cpm_vec point) {
-    size_t at = (size_t)medium * pass->bins + (size_t)(bin < 0 ? pass->middle : bin);
+    size_t at = (size_t)medium * pass->bins + cpm_pass_bin(pass, bin);
     if (pass->way[medium] == CPM_WAY_STRAIGHT) return pass->index[at];
     return cpm_medium_n(pass->scene->media[medium].medium, pass->scale[at],
                         (const double[3]){point.x, point.y, point.z});

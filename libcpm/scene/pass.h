@@ -2,10 +2,16 @@
 #ifndef CPM_SCENE_PASS_H
 #define CPM_SCENE_PASS_H
 #include "cl/types/sky.h"
+#include "cl/shared/bins.h"
+#include "cl/shared/region.h"
 #include "scene.h"
 
 /* How rays run in a medium. */
-typedef enum cpm_way { CPM_WAY_STRAIGHT = 0, CPM_WAY_EXACT = 1, CPM_WAY_INTEGRATED = 2 } cpm_way;
+typedef enum cpm_way {
+    CPM_WAY_STRAIGHT = CPM_STRAIGHT_WAY,
+    CPM_WAY_EXACT = CPM_EXACT_WAY,
+    CPM_WAY_INTEGRATED = CPM_INTEGRATED_WAY
+} cpm_way;
 
 typedef struct cpm_pass {
     cpm_context *context; /* the call's: threads, progress, messages */
@@ -26,30 +32,27 @@ typedef struct cpm_pass {
     double *emission;       /* lights x bins; of an image its mean over all directions */
     struct cpm_sky *sky;    /* lights: what suns and environments look like; NULL: there are none */
     cpm_box extent;
-    cpm_box box;            /* of the geometry */
-    double reach;           /* a good length of one curved piece, metres: the geometry's diagonal */
+    cpm_box box;     /* of the geometry */
+    double reach;    /* a good length of one curved piece, metres: the geometry's diagonal */
     cpm_vec center;  /* of the geometry: pieces that start far from it may be as long as that is far */
-    double nudge;           /* metres: far below the geometry, far above rounding */
-    int32_t bounded;        /* the extent is finite */
+    double nudge;    /* metres: far below the geometry, far above rounding */
+    int32_t bounded; /* the extent is finite */
+    double bundle_tolerance; /* of a pixel, and of a photon's share of surface: how far bins may part and go one way */
+    int32_t nearest;         /* photons whose share that is */
     uint32_t features;
+    cpm_world world; /* the same as rays see it: what cl/shared reads */
 } cpm_pass;
 
-cpm_status cpm_pass_begin(cpm_context *context, cpm_scene *scene, const double *wavelengths, size_t bins, cpm_pass *pass);
+cpm_status cpm_pass_begin(cpm_context *context, cpm_scene *scene, const double *wavelengths, size_t bins,
+                          cpm_pass *pass);
 /* The same with other methods or tolerances than the scene's. */
 cpm_status cpm_pass_begin_with(cpm_context *context, cpm_scene *scene, const cpm_scene_options *options,
                                const double *wavelengths, size_t bins, cpm_pass *pass);
 void cpm_pass_end(cpm_pass *pass);
+/* A request's bundle_tolerance, and the photons of an estimate. */
+cpm_status cpm_pass_take_bundles(cpm_pass *pass, double tolerance, int32_t nearest);
 cpm_status cpm_check_wavelengths(cpm_context *context, const double *wavelengths, size_t count);
 
-/* The bounded media that contain a point, in order of addition: the last one is what is there. Entry 0 fills space. */
-typedef struct cpm_region {
-    uint16_t media[CPM_MAX_NESTED];
-    uint16_t count;
-} cpm_region;
-
-static inline int32_t cpm_region_medium(const cpm_region *region) { return region->media[region->count - 1]; }
-/* Adds or removes a medium (idempotent); 0: more than CPM_MAX_NESTED overlap. */
-int cpm_region_cross(cpm_region *region, int32_t medium, int entering);
 /* What contains a point; on a boundary, what `direction` enters. */
 cpm_region cpm_region_at(const cpm_pass *pass, cpm_vec point, cpm_vec direction);
 
@@ -64,6 +67,15 @@ void cpm_sky_end(cpm_pass *pass);
 /* Basic radiance seen in a unit direction at the extent, bins [first, first + count); 0: none of this light. */
 int cpm_sky_radiance(const cpm_pass *pass, size_t light, cpm_vec direction, size_t first, size_t count,
                      double *radiance);
+/* Bundles may stay together where a medium disperses (backend/native/bundles.h). */
+static inline int cpm_pass_bundles(const cpm_pass *pass) {
+    return pass->bundle_tolerance > 0.0 && (pass->features & CPM_FEATURE_DISPERSION);
+}
+
+/* The bin whose way a flight goes (cl/shared/bins.h). */
+static inline size_t cpm_pass_bin(const cpm_pass *pass, int32_t bin) {
+    return (size_t)cpm_bins_middle(bin, (int32_t)pass->bins);
+}
 
 /* n at a point of a medium, for a bin (-1: the bundle). */
 double cpm_pass_index(const cpm_pass *pass, int32_t medium, int32_t bin, cpm_vec point);

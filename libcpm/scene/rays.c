@@ -81,8 +81,9 @@ static int measure(journey *j, size_t from, double wanted, const double *point, 
             cpm_curve curve = cpm_curve_from_piece(&l->piece, l->degree);
             double roots[5];
             cpm_vec n = cpm_v(normal[0], normal[1], normal[2]), q = cpm_v(point[0], point[1], point[2]);
-            int leaving = at_start && i == 0 &&
-                          fabs(cpm_vdot(cpm_sub(curve.c[0], q), n)) <= 1e-14 * cpm_norm(n) * (1.0 + cpm_norm(curve.c[0]));
+            int leaving =
+                at_start && i == 0 &&
+                fabs(cpm_vdot(cpm_sub(curve.c[0], q), n)) <= 1e-14 * cpm_norm(n) * (1.0 + cpm_norm(curve.c[0]));
             if (cpm_curve_plane(&curve, q, n, leaving, 0.0, l->theta, roots)) theta = roots[0];
         }
         if (theta >= 0.0) {
@@ -148,8 +149,11 @@ static void travel(const errand *e, size_t ray, journey *j) {
     flight.region = cpm_region_at(e->pass, flight.position, flight.direction);
     for (int i = 0; i < MAX_BOUNDARIES; i++) {
         cpm_arrival arrival;
-        cpm_follow_options options = {.max_evaluations = q->max_evaluations, .sink = keep_piece, .user = j,
+        cpm_follow_options options = {.max_evaluations = q->max_evaluations,
+                                      .sink = keep_piece,
+                                      .user = j,
                                       .far = far_enough(q, &flight, wanted - j->length),
+                                      .longest = q->lengths ? wanted - j->length : 0.0,
                                       .max_step = e->max_step ? e->max_step[ray] : 0.0};
         size_t from = j->count;
         cpm_follow(e->pass, &flight, 1, &options, &arrival);
@@ -193,8 +197,7 @@ static void report(const cpm_rays_request *q, size_t ray, const journey *j, cpm_
     if (to->length) to->length[ray] = j->length;
     if (to->optical_path) to->optical_path[ray] = j->optical_path;
     if (to->drift) to->drift[ray] = j->drift;
-    if (to->error_estimate)
-        to->error_estimate[ray] = cpm_max(j->error, 4e-16 * (cpm_norm(j->position) + j->length));
+    if (to->error_estimate) to->error_estimate[ray] = cpm_max(j->error, 4e-16 * (cpm_norm(j->position) + j->length));
     if (to->evaluations) to->evaluations[ray] = (int64_t)j->evaluations;
     if (to->steps) to->steps[ray] = (int64_t)j->steps;
     if (to->rejected) to->rejected[ray] = (int64_t)j->rejected;
@@ -253,8 +256,8 @@ static cpm_status global_error(cpm_context *context, cpm_scene *scene, cpm_scene
     }
     for (size_t i = 0; i < count && !status; i++) {
         const double *a = &result->position[3 * i], *b = &position[3 * i];
-        double difference = sqrt((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) +
-                                 (a[2] - b[2]) * (a[2] - b[2]));
+        double difference =
+            sqrt((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) + (a[2] - b[2]) * (a[2] - b[2]));
         if (result->error_estimate)
             result->error_estimate[i] = cpm_max(difference, 4e-16 * sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]));
         if (result->error_evaluations) result->error_evaluations[i] = evaluations[i];
@@ -277,8 +280,10 @@ cpm_status cpm_scene_rays_trace(cpm_context *context, cpm_scene *scene, const cp
     if (options.method == CPM_METHOD_EXACT)
         for (size_t m = 0; m < scene->medium_count; m++)
             if (!cpm_medium_has_exact(scene->media[m].medium))
-                return cpm_fail(context, CPM_ERROR_UNSUPPORTED, "method exact: medium %zu of the scene has no closed form "
-                                "of the path", m);
+                return cpm_fail(context, CPM_ERROR_UNSUPPORTED,
+                                "method exact: medium %zu of the scene has no closed form "
+                                "of the path",
+                                m);
     cpm_rays_result r = *result;
     double *own = NULL; /* position, length and steps that global_error needs */
     if (request->error_mode == CPM_ERROR_GLOBAL) {
@@ -289,14 +294,22 @@ cpm_status cpm_scene_rays_trace(cpm_context *context, cpm_scene *scene, const cp
         if (!r.steps) r.steps = (int64_t *)(own + 4 * request->count);
     }
     cpm_pass pass;
+    if (context->opencl) {
+        free(own);
+        return cpm_fail(context, CPM_ERROR_UNSUPPORTED,
+                        "an OpenCL device traces rays alone in a medium, photons and pictures; rays of a scene need the "
+                        "native backend");
+    }
     cpm_progress_begin(context);
     cpm_progress(context, "trace", 0.0);
     cpm_status status = cpm_pass_begin_with(context, scene, &options, request->wavelengths, bins, &pass);
+    int integrates = 0; /* else a second run would only repeat the first */
     if (!status) {
         status = trace_all(context, &pass, request, NULL, &r);
+        for (size_t m = 0; m < scene->medium_count; m++) integrates |= pass.method[m] != CPM_METHOD_EXACT;
         cpm_pass_end(&pass);
     }
-    if (!status && request->error_mode == CPM_ERROR_GLOBAL)
+    if (!status && request->error_mode == CPM_ERROR_GLOBAL && integrates)
         status = global_error(context, scene, options, request, bins, &r);
     free(own);
     return status;

@@ -3,32 +3,14 @@
 
 #include "pass.h"
 
-int cpm_region_cross(cpm_region *region, int32_t medium, int entering) {
-    uint16_t m = (uint16_t)medium;
-    int at = 0;
-    while (at < region->count && region->media[at] < m) at++;
-    int present = at < region->count && region->media[at] == m;
-    if (entering == present) return 1;
-    if (entering) {
-        if (region->count == CPM_MAX_NESTED) return 0;
-        for (int i = region->count; i > at; i--) region->media[i] = region->media[i - 1];
-        region->media[at] = m;
-        region->count++;
-    } else {
-        for (int i = at; i + 1 < region->count; i++) region->media[i] = region->media[i + 1];
-        region->count--;
-    }
-    return 1;
-}
-
 /* Crossings of the half line from `point` along `direction` with the mesh, odd: inside. */
 static int crossings_odd(const cpm_scene *scene, const shape *s, cpm_vec point, cpm_vec direction) {
     int odd = 0;
     for (size_t i = 0; i < s->count; i++) {
         const cpm_triangle *t = &scene->triangles[s->first + i];
         cpm_vec n = cpm_v(t->normal[0], t->normal[1], t->normal[2]);
-        double distance = cpm_vdot(cpm_sub(cpm_v(t->corner[0], t->corner[1], t->corner[2]), point), n) /
-                          cpm_vdot(direction, n);
+        double distance =
+            cpm_vdot(cpm_sub(cpm_v(t->corner[0], t->corner[1], t->corner[2]), point), n) / cpm_vdot(direction, n);
         double u, v;
         if (distance > 0.0 && isfinite(distance) &&
             cpm_triangle_contains(t, cpm_along(point, distance, direction), &u, &v))

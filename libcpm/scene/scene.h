@@ -5,13 +5,12 @@
 #include <stdatomic.h>
 
 #include "api/context.h"
-#include "cl/types/geometry.h"
+#include "cl/types/flight.h"
 #include "geometry/geometry.h"
 #include "medium/medium.h"
 
 #define CPM_NO_MATERIAL (-1)
 #define CPM_LARGEST 1e15 /* metres; beyond, squares leave the range of float, in which Embree works */
-#define CPM_MAX_NESTED 8 /* bounded media that may overlap at one point, the one that fills space included */
 
 /* A sampled function of wavelength, owned. */
 typedef struct spectrum {
@@ -118,24 +117,6 @@ cpm_status cpm_shape_require_closed(cpm_scene *scene, int32_t shape);
 static inline int32_t cpm_primitive_shape(const cpm_scene *scene, int32_t primitive) {
     return (size_t)primitive < scene->triangle_count ? scene->triangle_shape[primitive]
                                                      : scene->sphere_shape[(size_t)primitive - scene->triangle_count];
-}
-/* The geometric normal of what was hit, of any length, and 1/length^2. */
-typedef struct cpm_facet {
-    cpm_vec normal;
-    double factor;
-} cpm_facet;
-static inline cpm_facet cpm_facet_of(const cpm_scene *scene, const cpm_hit *hit) {
-    cpm_facet facet;
-    if ((size_t)hit->primitive < scene->triangle_count) {
-        const cpm_triangle *t = &scene->triangles[hit->primitive];
-        facet.normal = cpm_v(t->normal[0], t->normal[1], t->normal[2]);
-        facet.factor = t->inverse_area2;
-    } else {
-        const cpm_sphere *s = &scene->spheres[(size_t)hit->primitive - scene->triangle_count];
-        facet.normal = cpm_unit(cpm_sub(hit->position, cpm_v(s->center[0], s->center[1], s->center[2])));
-        facet.factor = 1.0;
-    }
-    return facet;
 }
 /* Unit geometric normal, (b - a) x (c - a) for triangles, outward for spheres. */
 cpm_vec cpm_geometric_normal(const cpm_scene *scene, const cpm_hit *hit);

@@ -247,8 +247,12 @@ cpm_status cpm_scene_add_box(cpm_scene *scene, const cpm_box *box, const char *n
 }
 
 cpm_vec cpm_geometric_normal(const cpm_scene *scene, const cpm_hit *hit) {
-    const cpm_facet facet = cpm_facet_of(scene, hit);
-    return cpm_scaled(sqrt(facet.factor), facet.normal);
+    if ((size_t)hit->primitive < scene->triangle_count) {
+        const cpm_triangle *t = &scene->triangles[hit->primitive];
+        return cpm_scaled(sqrt(t->inverse_area2), cpm_v(t->normal[0], t->normal[1], t->normal[2]));
+    }
+    const double *c = scene->spheres[(size_t)hit->primitive - scene->triangle_count].center;
+    return cpm_unit(cpm_sub(hit->position, cpm_v(c[0], c[1], c[2])));
 }
 
 cpm_vec cpm_shading_normal(const cpm_scene *scene, const cpm_hit *hit, cpm_vec geometric) {

@@ -9,7 +9,7 @@ into spectral pictures. Metres, nanometres, degrees; radiance in W·m⁻²·sr�
 
 colour-science, matplotlib, trimesh, pydantic and rich are imported when they are first needed, not before.
 """
-from . import air, atmosphere, dispersion, kernels, lights, materials, media, spectra
+from . import air, atmosphere, dispersion, kernels, lights, materials, media, spectra, wavelengths
 from ._arrays import bin_centers
 from ._core import Error
 from ._core import version as _version
@@ -17,6 +17,8 @@ from .bounds import Box, Sphere
 from .camera import Camera
 from .devices import Device, devices
 from .explain import Explanation, explain
+from .explain_rays import RayExplanation
+from .feature import Feature
 from .image import Image
 from .photons import PhotonMap, Photons, trace_photons
 from .rays import Rays, trace
@@ -36,9 +38,11 @@ __all__ = [
     "Device",
     "Error",
     "Explanation",
+    "Feature",
     "Image",
     "PhotonMap",
     "Photons",
+    "RayExplanation",
     "RayStatus",
     "Rays",
     "RenderSettings",
@@ -63,4 +67,5 @@ __all__ = [
     "spectra",
     "trace",
     "trace_photons",
+    "wavelengths",
 ]

@@ -8,9 +8,13 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from . import media
 from ._arrays import FloatArray
+from .camera import Camera
+from .explain_rays import RayExplanation, explain_rays
+from .feature import Feature, lines_of, middle
 from .materials import Black, Mirror
 from .render import render
 from .scene import Scene
@@ -42,32 +46,7 @@ _MEANING = {
 _TRIAL: dict[str, Any] = {"size": (80, 60), "photons": 50_000, "nearest": 50, "samples": 1, "seed": 0}
 _ROUNDS = (3, 9)  # at least, at most
 _ENOUGH = 6.0     # s, after which no further round begins
-
-
-@dataclass(frozen=True)
-class Feature:
-    """One thing that the core can build in or leave out.
-
-    Attributes
-    ----------
-    name : str
-    needed : bool
-        Whether it is in.
-    meaning : str
-    counters : str
-        What it did in the trial; where it is left out, the zeros that prove it.
-    cost : float or None
-        Seconds of the trial with it over seconds without, the median of several; None where that was not tried.
-    spread : float or None
-        Of those several: their median distance from the median.
-    """
-
-    name: str
-    needed: bool
-    meaning: str
-    counters: str
-    cost: float | None
-    spread: float | None = None
+_FAN = 28         # x as many eye rays that are explained alone
 
 
 @dataclass(frozen=True)
@@ -81,61 +60,79 @@ class Explanation:
     features : list of Feature
     stats : dict
         Of the trial; empty where nothing was measured.
+    rays : RayExplanation or None
+        The same of the camera's rays alone, without photons; None where there is no camera or nothing was measured.
     """
 
     scene: str
     features: list[Feature]
     stats: dict[str, Any] = field(default_factory=dict)
+    rays: RayExplanation | None = None
 
     def __str__(self) -> str:
-        lines = [self.scene]
         measured = bool(self.stats)
-        named = max(len(feature.name) for feature in self.features)
-        meant = max(len(feature.meaning) for feature in self.features)
-        for title, needed in (("in", True), ("left out", False)):
-            lines.append(f"\n{title}")
-            chosen = [feature for feature in self.features if feature.needed is needed]
-            for feature in chosen:
-                cost = f"{_shown_cost(feature):<15}" if measured else ""
-                lines.append(f"  {feature.name:<{named}}  {cost}{feature.meaning:<{meant}}  {feature.counters}".rstrip())
-            if not chosen:
-                lines.append("  nothing")
+        lines = [self.scene, *lines_of(self.features, measured)]
         if measured:
             width, height = _TRIAL["size"]
             lines.append(f"\n× is the time of a whole render with it over one without, as measured on {width} × {height} "
                          f"pixels and {_TRIAL['photons']:,} photons\n(here {self.stats['seconds_total']:.2f} s); "
                          "~ 1: less than the noise; -: not tried.")
+        if self.rays is not None:
+            lines.append(f"\nEye rays alone\n{self.rays}")
         return "\n".join(lines)
 
 
-def _shown_cost(feature: Feature) -> str:
-    if feature.cost is None or feature.spread is None:
-        return "-"
-    return "~ 1" if abs(feature.cost - 1.0) <= feature.spread else f"× {feature.cost:.2f} ± {feature.spread:.2f}"
-
-
-def explain(scene: Scene, measure: bool = True) -> Explanation:
-    """Say what a scene needs and what is left out for it.
+def explain(medium_or_scene: Scene | Any, origins: npt.ArrayLike | None = None, directions: npt.ArrayLike | None = None, *,
+            measure: bool = True, **options: Any) -> Explanation | RayExplanation:
+    """Say what is needed, what is left out, and what each costs, of a scene's picture or of rays.
 
     Parameters
     ----------
-    scene : Scene
+    medium_or_scene : Medium or Scene
+    origins, directions : array_like, shape (N, 3) or (3,), optional
+        With them rays are explained, as :func:`cpm.trace` would trace them; a medium needs them. Few rays are repeated, so
+        that there is something to time.
     measure : bool
-        Render trials of a small picture to fill in counters and costs; needs a camera, takes seconds.
+        Render, or trace, trials to fill in counters and costs; takes seconds. A picture needs a camera and a light.
+    **options
+        Of rays: those of :func:`cpm.trace`; ``wavelength`` is 550 nm by default.
 
     Returns
     -------
-    Explanation
+    Explanation or RayExplanation
+        The latter where rays are given.
+
+    Raises
+    ------
+    ValueError
+        A medium without rays; what :func:`cpm.trace` refuses.
     """
+    if origins is not None and directions is not None:
+        return explain_rays(medium_or_scene, origins, directions, measure=measure, **options)
+    if origins is not None or directions is not None or not isinstance(medium_or_scene, Scene):
+        raise ValueError("explain needs a Scene, or a medium or scene with origins and directions of rays")
+    if options:
+        raise ValueError(f"{next(iter(options))} is given without rays; give origins and directions")
+    scene = medium_or_scene
     wavelengths = resolve(scene.render_defaults).wavelengths
     needed, _ = feature_names(scene._use().features(wavelengths))
     stats: dict[str, Any] = {}
     costs: dict[str, tuple[float, float]] = {}
+    rays = None
     if measure and scene.camera is not None and scene.lights:
         stats, costs = _measured(scene)
+        rays = explain_rays(scene, scene.camera.origin, _fan(scene.camera), wavelength=float(wavelengths[len(wavelengths) // 2]))
     features = [Feature(name, name in needed, meaning, _counters(name, stats), *costs.get(name, (None, None)))
                 for name, meaning in _MEANING.items()]
-    return Explanation(_described(scene, wavelengths), features, stats)
+    return Explanation(_described(scene, wavelengths), features, stats, rays)
+
+
+def _fan(camera: Camera) -> FloatArray:
+    """Directions over the camera's field of view, as high as it is wide."""
+    half = np.tan(np.radians(camera.fov) / 2) * np.linspace(-1.0, 1.0, _FAN)
+    right, up, forward = camera.axes()
+    x, y = (part.ravel()[:, None] for part in np.meshgrid(half, half))
+    return x * right + y * up + forward
 
 
 def _described(scene: Scene, wavelengths: Any) -> str:
@@ -176,18 +173,12 @@ def _measured(scene: Scene) -> tuple[dict[str, Any], dict[str, tuple[float, floa
     base, *others, _ = rounds[0]
     costs: dict[str, tuple[float, float]] = {}
     if "projection" in base["features"]:
-        costs["projection"] = _middle(1.0 / ratios[:, -1])
+        costs["projection"] = middle(1.0 / ratios[:, -1])
     changes = [set(base["features"]) ^ set(stats["features"]) for stats in others]
     for i in sorted(range(len(others)), key=lambda i: len(changes[i])):
         for name in changes[i] - set(costs):
-            costs[name] = _middle(1.0 / ratios[:, i] if name in base["features"] else ratios[:, i])
+            costs[name] = middle(1.0 / ratios[:, i] if name in base["features"] else ratios[:, i])
     return {**base, "seconds_total": float(np.median(seconds[:, 0]))}, costs
-
-
-def _middle(values: FloatArray) -> tuple[float, float]:
-    """Median, and median distance from it."""
-    middle = float(np.median(values))
-    return middle, float(np.median(np.abs(values - middle)))
 
 
 def _small_thing(scene: Scene) -> tuple[Any, float]:

@@ -24,6 +24,7 @@ def render(scene: Scene, size: tuple[int, int] | None = None, photons: int | Pho
            nearest: int | None = None, wavelengths: npt.ArrayLike | None = None, samples: int | None = None,
            seed: int | None = None, backend: str = "native", precision: str = "double", *, threads: int = 0,
            batch: int = 0, projection: bool = True, edge_correction: bool = True, max_radius: float | None = None,
+           bundle_tolerance: float | None = None,
            photon_map: Photons | None = None, progress: ProgressLike = False) -> Image:
     """Render a scene.
 
@@ -40,7 +41,7 @@ def render(scene: Scene, size: tuple[int, int] | None = None, photons: int | Pho
     nearest : int, optional
         Photons of each map in an estimate; default 150.
     wavelengths : array_like, shape (bins,), optional
-        Bin centres, nm; default 16 bins of 400–700 nm. With photons traced before: theirs.
+        Bin centres, nm, or Bins of :mod:`cpm.wavelengths`; default 16 bins of 400–700 nm. With photons traced before: theirs.
     samples : int, optional
         Eye rays a pixel; default 1, through its middle. More cover it evenly: four smooth the stairs on edges.
     seed : int, optional
@@ -55,6 +56,11 @@ def render(scene: Scene, size: tuple[int, int] | None = None, photons: int | Pho
         Divide an estimate by the part of its disc that lies on surface: no dark lines along edges and corners.
     max_radius : float, optional
         Bound on an estimate's disc, metres. Default: chosen for direct light, else the scene's diagonal.
+    bundle_tolerance : float, optional
+        Where a medium disperses: wavelengths whose eye rays meet a surface, or leave, within so many pixels of each
+        other share one ray; and those whose photons meet a surface within so many radii of the circle that ``nearest``
+        photons of their light fill there, if nothing focuses them, share one path. Default 0.1; 0: each wavelength goes
+        its own way. The time it saves and the error it costs: ``cpm bench wavelengths``.
     photon_map : Photons, optional
         Photons traced before; the same as giving them as ``photons``.
     progress : bool or callable
@@ -86,20 +92,21 @@ def render(scene: Scene, size: tuple[int, int] | None = None, photons: int | Pho
     if traced is not None:
         if wavelengths is not None:
             raise ValueError("wavelengths are given with photons traced before; the picture has theirs")
-        wavelengths = traced.wavelengths
+        wavelengths = traced.wavelengths if traced._bins is None else traced._bins
     if max_radius is not None and not as_number(max_radius, "max_radius") > 0:
         raise ValueError(f"max_radius is {max_radius:g}; it must be > 0 (metres)")
     settings = resolve(scene.render_defaults, size=size, photons=count, nearest=nearest, wavelengths=wavelengths,
-                       samples=samples, seed=seed, max_radius=max_radius)
+                       samples=samples, seed=seed, max_radius=max_radius,
+                       bundle_tolerance=bundle_tolerance)
     with reporting(progress) as report:
         handle = _core.render(scene=scene._use(), photon_map=None if traced is None else traced._handle,
                               width=settings.width, height=settings.height, photons=settings.photons,
                               seed=settings.seed, wavelengths=settings.wavelengths, nearest=settings.nearest,
                               samples=settings.samples, max_radius=settings.max_radius, projection=bool(projection),
-                              edge_correction=bool(edge_correction),
+                              edge_correction=bool(edge_correction), bundle_tolerance=settings.bundle_tolerance,
                               batch=as_integer(batch, "batch", 0, MAX_BATCH),
                               threads=as_integer(threads, "threads", 0, 1024), progress=report)
-    image = Image._of(handle)
+    image = Image._of(handle, settings.bins)
     if not image.data.any():
         warnings.warn(f"the picture is black: {_why_black(scene, image.stats, settings.wavelengths)}", stacklevel=2)
     return image

@@ -102,8 +102,13 @@ static cloud cloud_make(shape s, size_t count, size_t bins, unsigned split, uint
                                .path = id / 3, /* three to a path: ties are decided by bounce and bin as well */
                                .bounce = (unsigned short)(id % 3),
                                .bin = CPM_ALL_BINS};
-        if (split && id % split == 0) photon->bin = (unsigned short)(id / split % bins);
-        for (size_t b = 0; b < (photon->bin == CPM_ALL_BINS ? bins : 1); b++)
+        size_t carried = bins;
+        if (split && id % split == 0) { /* one bin, two, three, ... or as many as there are from there on */
+            const size_t first = id / split % bins, wanted = 1 + id / split / bins % 4;
+            carried = first + wanted > bins ? bins - first : wanted;
+            photon->bin = (unsigned short)(first + 256 * (carried - 1));
+        }
+        for (size_t b = 0; b < carried; b++)
             c.spectra[c.spectra_count++] = cpm_half_from_float((float)(uniform(id, 8 + (uint32_t)b) * 3.0));
     }
     free(number);

@@ -55,8 +55,8 @@ static int oracle(const cloud *c, const ask *q, size_t k, double max_radius, int
         for (size_t b = 0; b < c->bins; b++)
             if (p->bin == CPM_ALL_BINS)
                 sum[b] += (double)cpm_half_to_float(s[b]);
-            else if (p->bin == b)
-                sum[b] += (double)cpm_half_to_float(s[0]);
+            else if (b >= p->bin % 256u && b <= p->bin % 256u + p->bin / 256u)
+                sum[b] += (double)cpm_half_to_float(s[b - p->bin % 256u]);
     }
     double radius2 =
         n >= k ? all[k - 1].distance2 / (single ? (double)unit * (double)unit : 1.0) : max_radius * max_radius;
@@ -168,7 +168,7 @@ static double *answers(const cpm_tree *tree, shape s, int32_t k, int backwards, 
         const uint32_t i = backwards ? MANY - 1 - j : j;
         const ask q = ask_make(s, i, places);
         out[i * row] = cpm_tree_irradiance(tree, query, q.point, q.normal, k, INFINITY, out + i * row + 1);
-        if (backwards) query->guess *= i % 3 == 0 ? 1000.0f : i % 3 == 1 ? 0.001f : 0.0f; /* bad memory */
+        if (backwards) query->state.guess *= i % 3 == 0 ? 1000.0f : i % 3 == 1 ? 0.001f : 0.0f; /* bad memory */
     }
     cpm_query_free(query);
     return out;
@@ -304,7 +304,7 @@ static void radii_of_no_use(void **state) {
 static void bad_photons_are_refused(void **state) {
     (void)state;
     cpm_context *context = new_context();
-    for (int bad = 0; bad < 6; bad++) {
+    for (int bad = 0; bad < 7; bad++) {
         cloud c = cloud_make(CUBE, 100, 4, 0, 0);
         size_t bins = 4;
         if (bad == 0) bins = 0;
@@ -313,6 +313,7 @@ static void bad_photons_are_refused(void **state) {
         if (bad == 3) c.photons[60].position[2] = INFINITY;
         if (bad == 4) c.photons[60].spectrum = 397;
         if (bad == 5) c.photons[60].bin = 4;
+        if (bad == 6) c.photons[60].bin = 2 + 256 * 2; /* bins 2, 3 and 4, of four */
         cpm_tree *tree = NULL;
         const cpm_status status =
             cpm_tree_build(context, c.photons, c.spectra, c.count, c.spectra_count, free, bins, SCALE, &tree);

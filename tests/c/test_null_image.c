@@ -26,6 +26,11 @@ static void photons_and_images(void **state) {
     assert_refused(context, p, cpm_photons_trace(context, s, &o, &p));
     o = good, o.batch = -1;
     assert_refused(context, p, cpm_photons_trace(context, s, &o, &p));
+    const double tolerances[] = {-1e-9, 100.001, INFINITY, NAN};
+    for (size_t i = 0; i < COUNT_OF(tolerances); i++) {
+        o = good, o.bundle_tolerance = tolerances[i];
+        assert_refused(context, p, cpm_photons_trace(context, s, &o, &p));
+    }
     o = good, o.photons = 0; /* allowed: empty maps */
     assert_ok(context, cpm_photons_trace(context, s, &o, &p));
     assert_int_equal(cpm_photons_count(p, CPM_MAP_DIFFUSE), 0);
@@ -93,6 +98,11 @@ static void photons_and_images(void **state) {
     assert_refused(context, image, cpm_image_render(context, s, &r, &image));
     r = render, r.max_radius = NAN;
     assert_refused(context, image, cpm_image_render(context, s, &r, &image));
+    for (size_t i = 0; i < COUNT_OF(tolerances); i++) {
+        r = render, r.bundle_tolerance = tolerances[i];
+        assert_refused(context, image, cpm_image_render(context, s, &r, &image));
+        assert_refused(context, image, cpm_image_gather(context, s, p, &r, &image));
+    }
     assert_ok(context, cpm_image_render(context, s, &render, &image));
     cpm_image_release(image);
     assert_ok(context, cpm_image_gather(context, s, p, &render, &image));

@@ -8,36 +8,13 @@
 #include <math.h>
 #include <string.h>
 
+#include "host.h"
+/* after the host's */
+#include "cl/shared/follow_straight.h"
 #include "parabolas.h"
 #include "piece_end.h"
 
 #define STRAIGHT 32 /* rays asked for at a time */
-
-/* Where a straight ray leaves the extent, if that is not farther than `out`. */
-static double leaves_at(const cpm_pass *pass, const cpm_flight *flight, double out) {
-    const double r[3] = {flight->position.x, flight->position.y, flight->position.z};
-    const double d[3] = {flight->direction.x, flight->direction.y, flight->direction.z};
-    const cpm_box *box = cpm_flight_box(pass, flight);
-    for (int k = 0; k < 3; k++) {
-        double t = ((d[k] > 0.0 ? box->high[k] : box->low[k]) - r[k]) / d[k];
-        if (d[k] != 0.0) out = cpm_min(out, cpm_max(t, 0.0));
-    }
-    return out;
-}
-
-static int inside(double low, double high, double from, double to) {
-    const double margin = 1e-12 * (fabs(from) + fabs(to));
-    return to >= low + margin && to <= high - margin;
-}
-
-/* Surely not beyond the extent, which is convex: beyond all rounding of its point, so that the distances need not be
- * compared. */
-static int surely_inside(const cpm_pass *pass, const cpm_flight *flight, const cpm_arrival *arrival) {
-    const cpm_vec a = flight->position, b = arrival->hit.position;
-    const cpm_box *box = cpm_flight_box(pass, flight);
-    const double *low = box->low, *high = box->high;
-    return inside(low[0], high[0], a.x, b.x) && inside(low[1], high[1], a.y, b.y) && inside(low[2], high[2], a.z, b.z);
-}
 
 static void keep_line(const cpm_flight *flight, const cpm_follow_options *options, size_t number,
                       const cpm_arrival *arrival) {
@@ -54,25 +31,7 @@ static void keep_line(const cpm_flight *flight, const cpm_follow_options *option
 /* A straight ray's end, once its hit is known. */
 static void end_straight(const cpm_pass *pass, const cpm_flight *flight, const cpm_follow_options *options,
                          size_t number, cpm_arrival *arrival) {
-    const int32_t medium = cpm_region_medium(&flight->region);
-    const int hits = arrival->hit.primitive >= 0;
-    arrival->status = CPM_RAY_HIT;
-    arrival->direction = flight->direction;
-    arrival->n = pass->index[(size_t)medium * pass->bins + (size_t)(flight->bin < 0 ? pass->middle : flight->bin)];
-    arrival->behind.count = 0;
-    arrival->drift = arrival->error = arrival->evaluations = arrival->steps = arrival->rejected = 0.0;
-    arrival->method = CPM_METHOD_EXACT;
-    arrival->length = arrival->hit.t;
-    double out = options ? options->far : INFINITY;
-    if ((pass->bounded || flight->within) && !(hits && surely_inside(pass, flight, arrival))) out = leaves_at(pass, flight, out);
-    if (!hits || arrival->hit.t > out) {
-        arrival->status = CPM_RAY_LEFT;
-        arrival->hit.primitive = -1;
-        arrival->length = isfinite(out) ? out : 0.0;
-        arrival->hit.position = cpm_along(flight->position, arrival->length, flight->direction);
-    }
-    arrival->optical_path = arrival->n * arrival->length;
-    arrival->column = (arrival->n - 1.0) * arrival->length;
+    world_end_straight(&pass->world, flight, options ? options->far : INFINITY, arrival);
     if (options && options->sink) keep_line(flight, options, number, arrival);
 }
 
@@ -80,7 +39,6 @@ static void end_straight(const cpm_pass *pass, const cpm_flight *flight, const c
 static void follow_straight(const cpm_pass *pass, const cpm_flight *flights, size_t count,
                             const cpm_follow_options *options, cpm_arrival *arrivals) {
     cpm_straight_ray rays[STRAIGHT];
-    cpm_start starts[STRAIGHT];
     cpm_filter filters[STRAIGHT];
     size_t number[STRAIGHT];
     for (size_t next = 0; next < count;) {
@@ -95,9 +53,8 @@ static void follow_straight(const cpm_pass *pass, const cpm_flight *flights, siz
             ray->filter = NULL;
             ray->hit = &arrivals[next].hit;
             if (f->crossing) {
-                starts[n] = (cpm_start){pass, f};
-                filters[n] = (cpm_filter){cpm_start_counts, &starts[n]};
-                ray->slack = cpm_slack_of(pass, f, 1);
+                filters[n] = (cpm_filter){&pass->world, &f->region};
+                ray->slack = world_slack(&pass->world, f, 1);
                 ray->filter = &filters[n];
             }
             number[n++] = next;

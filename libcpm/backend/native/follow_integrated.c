@@ -2,6 +2,9 @@
 #include <string.h>
 
 #include "advance.h"
+#include "host.h"
+/* after the host's */
+#include "cl/shared/follow_integrated.h"
 #include "piece_end.h"
 
 #define POLL_EVERY 64 /* steps of eight lanes */
@@ -25,7 +28,7 @@ static size_t next_flight(lane_queue *q) {
         const cpm_flight *flight = &q->flights[q->next];
         if (cpm_region_medium(&flight->region) != q->medium) continue;
         cpm_arrival_begin(flight, &q->arrivals[q->next]);
-        if (!cpm_has_left(q->pass, flight, q->medium, q->options, &q->arrivals[q->next])) return q->next++;
+        if (q->options || !world_has_left(&q->pass->world, flight, q->medium, &q->arrivals[q->next])) return q->next++;
     }
     return q->count;
 }
@@ -34,28 +37,17 @@ static void load_lane(lane_queue *q, int lane, size_t which) {
     const cpm_flight *flight = &q->flights[which];
     const cpm_medium *medium = q->pass->scene->media[q->medium].medium;
     cpm_lane_rays *rays = &q->rays;
-    int32_t bin = flight->bin < 0 ? q->pass->middle : flight->bin;
-    double scale = q->pass->scale[(size_t)q->medium * q->pass->bins + (size_t)bin];
     const double r[3] = {flight->position.x, flight->position.y, flight->position.z};
-    const double d[3] = {flight->direction.x, flight->direction.y, flight->direction.z};
-    double n = cpm_medium_n(medium, scale, r);
+    world_load_lane(&q->pass->world, q->medium, flight, rays, lane);
+    const double n = cpm_medium_n(medium, rays->scale[lane], r);
     q->owner[lane] = which;
-    for (int k = 0; k < 3; k++) rays->r[k][lane] = r[k], rays->p[k][lane] = n * d[k];
-    rays->scale[lane] = scale;
-    rays->h[lane] = 0.0;
-    rays->length[lane] = rays->optical_path[lane] = 0.0;
-    rays->accepted[lane] = 0;
+    for (int k = 0; k < 3; k++) rays->p[k][lane] *= n;
 }
 
 static void retire_lane(lane_queue *q, int lane) {
     cpm_arrival *arrival = &q->arrivals[q->owner[lane]];
     const cpm_lane_rays *rays = &q->rays;
-    arrival->evaluations = rays->evaluations[lane];
-    arrival->steps = rays->steps[lane];
-    arrival->rejected = rays->rejected[lane];
-    arrival->drift = rays->drift[lane];
-    arrival->error = rays->error[lane];
-    arrival->method = q->control.method;
+    cpm_lane_arrives(rays, lane, q->control.method, arrival);
     const cpm_medium *medium = q->pass->scene->media[q->medium].medium;
     const double e[3] = {arrival->hit.position.x, arrival->hit.position.y, arrival->hit.position.z};
     arrival->n = cpm_medium_n(medium, rays->scale[lane], e);
@@ -72,22 +64,26 @@ static void end_lane_step(lane_queue *q, int lane) {
         cpm_piece piece;
         cpm_lane_piece(rays, lane, &piece);
         cpm_curve curve = cpm_curve_from_piece(&piece, 5);
-        theta = cpm_end_of_piece(q->pass, &q->flights[which], &curve, arrival);
+        theta = world_end_of_piece(&q->pass->world, &q->flights[which], &curve, arrival);
         if (q->options && q->options->sink)
             q->options->sink(q->options->user, which, &piece, 5, theta < 0.0 ? 1.0 : theta);
         arrival->optical_path = rays->optical_path[lane];
-        arrival->column = arrival->optical_path - rays->length[lane];
-        if (theta >= 0.0)
-            arrival->column = cpm_column_between(rays->optical_path0[lane] - rays->length0[lane], arrival->column,
-                                                 piece.h, piece.n0, piece.n1, theta);
         if (theta >= 0.0 || arrival->status == CPM_RAY_HIT) {
-            if (q->options) cpm_add_length(arrival, &piece, 5, theta);
+            if (q->options) {
+                cpm_add_length(arrival, &piece, 5, theta);
+                arrival->optical_path =
+                    arrival->length + cpm_column_between(rays->optical_path0[lane] - rays->length0[lane],
+                                                         rays->optical_path[lane] - rays->length[lane], piece.h,
+                                                         piece.n0, piece.n1, theta);
+            }
             retire_lane(q, lane);
             return;
         }
         arrival->hit.position = cpm_v(rays->r[0][lane], rays->r[1][lane], rays->r[2][lane]);
         arrival->direction = cpm_unit(cpm_v(rays->p[0][lane], rays->p[1][lane], rays->p[2][lane]));
         arrival->length = rays->length[lane];
+        if (rays->status[lane] < 0 && q->options && cpm_beyond(q->options, arrival->length))
+            rays->status[lane] = CPM_RAY_LEFT;
     }
     if (rays->status[lane] >= 0) {
         arrival->status = (int32_t)rays->status[lane];

@@ -23,6 +23,9 @@ typedef struct cpm_render_options {
     int32_t no_edge_correction; /* 1: discs that overhang a surface's edge keep their whole area (dark edges) */
     int32_t reserved;
     double max_radius;    /* metres; <= 0: direct light capped by what its own photons ask for, the rest at the diagonal */
+    double bundle_tolerance; /* where a medium disperses: wavelengths whose eye rays meet a surface (or leave) within so
+                                many pixels of each other share one ray; of photons, see cpm_photons_options, with
+                                `nearest` for 150. 0: each goes its own way. At most 100 */
 } cpm_render_options;
 
 CPM_API cpm_status cpm_image_render(cpm_context *context, cpm_scene *scene, const cpm_render_options *options,

@@ -19,6 +19,9 @@ typedef struct cpm_photons_options {
     size_t wavelength_count;   /* 1..CPM_MAX_BINS */
     int32_t no_projection;     /* 1: emit over all directions */
     int32_t batch;             /* paths a task; 0: chosen. Results do not depend on it */
+    double bundle_tolerance;   /* where a medium disperses: wavelengths whose paths meet a surface within so many radii of
+                                  the circle that 150 photons of the light fill there, unfocused, share one path.
+                                  0: each goes its own way. At most 100 */
 } cpm_photons_options;
 
 #define CPM_MAX_BINS 256

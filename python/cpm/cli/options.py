@@ -6,6 +6,8 @@ from typing import Annotated, Any
 
 import typer
 
+from .._files import refuse_unwritable
+from ..colorimetry import GAMUTS
 from ..image import SUFFIXES
 from ..scene import Scene as SceneType
 from ..scene_file import load_scene
@@ -46,6 +48,9 @@ Nearest = Annotated[int | None, typer.Option("--nearest", metavar="K", help="Pho
                                              show_default="the scene's")]
 Samples = Annotated[int | None, typer.Option("--samples", metavar="N", help="Eye rays a pixel.",
                                              show_default="the scene's")]
+BundleTolerance = Annotated[float | None, typer.Option(
+    "--bundle-tolerance", metavar="F", show_default="the scene's", help="Pixels, and radii of an estimate: where a medium "
+    "disperses, wavelengths nearer than that share one path. 0: none do.")]
 Backend = Annotated[str, typer.Option("--backend", metavar="NAME", help="native.")]
 Precision = Annotated[str, typer.Option("--precision", metavar="NAME", help="double.")]
 Seed = Annotated[int | None, typer.Option("--seed", metavar="N", help="Of the random numbers.",
@@ -55,6 +60,9 @@ Exposure = Annotated[float | None, typer.Option("--exposure", metavar="F", show_
                                                 help="PNG: factor on luminance in cd/m2.")]
 White = Annotated[str | None, typer.Option("--white", metavar="NAME", show_default="none",
                                            help="PNG: illuminant that looks neutral, as E or D65.")]
+Gamut = Annotated[str | None, typer.Option("--gamut", metavar="NAME", show_default="clip",
+                                           help=f"PNG: what becomes of colours that cannot be shown: "
+                                           f"{', '.join(GAMUTS)}.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no table.")]
 
 
@@ -65,10 +73,7 @@ def outputs_or_default(outputs: list[Path] | None, scene: Path, ending: str = ""
     for path in chosen:
         if path.suffix.lower() not in suffixes:
             raise ValueError(f"{path}: suffix '{path.suffix}'; {', '.join(suffixes)} are allowed")
-        if not path.parent.is_dir():
-            raise ValueError(f"{path}: no such folder: {path.parent}")
-        if path.is_dir():
-            raise ValueError(f"{path}: is a folder")
+        refuse_unwritable(path)
     if len({path.resolve() for path in chosen}) != len(chosen):
         raise ValueError(f"the same output is given twice: {', '.join(map(str, chosen))}")
     return chosen

@@ -1,0 +1,73 @@
+/* shared/boundary.h: ways on from where a ray has arrived: thrown back, or across the boundary of a medium by Snell and
+ * Fresnel. Single rays in double only. */
+#ifndef CPM_SHARED_BOUNDARY_H
+#define CPM_SHARED_BOUNDARY_H
+#include "scatter.h"
+#include "shade.h"
+#include "world_index.h"
+
+#define CPM_EQUAL_INDEX 1e-9 /* a jump of n below this is none */
+
+/* Is the hit so near an edge of its triangle that the next straight ray has to be asked exactly? */
+CPM_INLINE int cpm_is_near_edge(const cpm_tree *tree, const cpm_hit *hit) {
+    if (hit->primitive >= tree->frame.triangle_count) return 1;
+    double least = cpm_min(hit->u, cpm_min(hit->v, 1.0 - hit->u - hit->v));
+    return !(least > tree->triangles[hit->primitive].near_edge);
+}
+
+/* Does a bundle part here, because the medium behind disperses? */
+CPM_INLINE int world_splits(const cpm_world *w, const cpm_flight *flight, const cpm_arrival *arrival) {
+    return flight->bin < 0 && arrival->behind.count && w->places[cpm_region_medium(&arrival->behind)].disperses;
+}
+
+#if CPM_WIDTH == 1 && !CPM_SINGLE
+/* Interpolated shading normal where the mesh has them, else the geometric one; on the geometric normal's side. */
+CPM_INLINE cpm_vec world_shading_normal(const cpm_world *w, const cpm_hit *hit, cpm_vec geometric) {
+    if (hit->primitive >= w->tree.frame.triangle_count || !world_surface(w, hit->primitive)->has_normals)
+        return geometric;
+    CPM_GLOBAL const float *n = &w->normals[9 * (size_t)hit->primitive];
+    cpm_vec corner[3];
+    for (int k = 0; k < 3; k++) corner[k] = cpm_v((double)n[3 * k], (double)n[3 * k + 1], (double)n[3 * k + 2]);
+    return shade_normal(corner[0], corner[1], corner[2], hit->u, hit->v, geometric);
+}
+
+/* A flight thrown back into the medium where another has arrived. */
+CPM_INLINE cpm_flight world_depart(const cpm_world *w, const cpm_flight *flight, const cpm_arrival *arrival,
+                                   cpm_vec direction) {
+    cpm_flight next = *flight;
+    next.position = scatter_step_back(arrival->hit.position, flight->position, arrival->direction, w->tree.frame.scale);
+    next.direction = direction;
+    next.left = arrival->hit.primitive;
+    next.exact = cpm_is_near_edge(&w->tree, &arrival->hit);
+    next.crossing = 0;
+    return next;
+}
+
+/* Both ways on from a boundary. Returns 0 where more than CPM_MAX_NESTED media would overlap. */
+CPM_INLINE int world_pass_boundary(const cpm_world *w, const cpm_flight *flight, const cpm_arrival *arrival,
+                                   cpm_passage *passage) {
+    cpm_vec geometric = world_normal(w, arrival->hit.primitive, arrival->hit.position);
+    const cpm_region region = arrival->behind;
+    if (!region.count) return 0;
+    passage->jumps = passage->total = 0;
+    passage->reflectance = 0.0;
+    passage->transmitted = world_depart(w, flight, arrival, arrival->direction);
+    passage->transmitted.position = arrival->hit.position;
+    passage->transmitted.region = region;
+    passage->transmitted.crossing = 1;
+    cpm_i32 before = cpm_region_medium(&flight->region), behind = cpm_region_medium(&region);
+    if (before == behind) return 1;
+    double n = world_index(w, behind, flight->bin, arrival->hit.position);
+    if (!(fabs(n - arrival->n) > CPM_EQUAL_INDEX)) return 1;
+
+    cpm_vec normal = world_shading_normal(w, &arrival->hit, geometric), reflected, refracted;
+    passage->jumps = 1;
+    passage->reflectance =
+        scatter_boundary(arrival->direction, normal, geometric, arrival->n, n, &reflected, &refracted);
+    passage->total = passage->reflectance >= 1.0;
+    passage->reflected = world_depart(w, flight, arrival, reflected);
+    if (!passage->total) passage->transmitted.direction = refracted;
+    return 1;
+}
+#endif
+#endif
