@@ -162,11 +162,12 @@ def cost(options):
     for name, s in seconds.items():
         ratios = {"eye": float(np.median(np.divide(s["eye"], base["eye"]))),
                   "photons": float(np.median(np.divide(s["photons"], base["photons"]))),
-                  "whole": (s["photons"][0] + np.median(s["eye"])) / (base["photons"][0] + np.median(base["eye"]))}
+                  "whole": sum(map(np.median, (s["photons"], s["eye"])))
+                  / sum(map(np.median, (base["photons"], base["eye"])))}
         result[name] = {**s, "over_homogeneous": ratios}
         rows.append([name, float(np.median(s["photons"])), ratios["photons"], float(np.median(s["eye"])), ratios["eye"],
                      ratios["whole"]])
-    table(f"inferior_mirage.toml, {options.photons} photons, process seconds; eye passes in turn, {options.pairs} times",
+    table(f"inferior_mirage.toml, {options.photons} photons, process seconds; {options.pairs} eye passes each, in turn",
           ["n", "photons s", "x", "eye s", "x", "whole x"], rows)
     return result
 
