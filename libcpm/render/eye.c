@@ -152,9 +152,23 @@ static void see_boundary(viewer *v, const glance *g, const cpm_arrival *a, const
     if (!passage.total) branch(v, g, &passage.transmitted, weights, 1.0 - passage.reflectance, NULL);
 }
 
+/* Suns and environments, in the direction in which the ray left. */
+static void see_sky(viewer *v, const glance *g, const cpm_arrival *a, const float *weights) {
+    const cpm_pass *pass = v->pass;
+    const size_t first = (size_t)cpm_bins_first(g->flight.bin);
+    const size_t count = (size_t)cpm_bins_count(g->flight.bin, (int32_t)pass->bins);
+    double *sum = &v->sum[(size_t)g->pixel * pass->bins];
+    for (size_t l = 0; l < pass->scene->light_count; l++) {
+        if (!cpm_sky_radiance(pass, l, a->direction, first, count, v->scratch)) continue;
+        for (size_t b = 0; b < count; b++)
+            sum[first + b] += cpm_shade_light(weights[b], v->scratch[b], v->squared_index[first + b]);
+    }
+}
+
 static void see(viewer *v, const glance *g, const cpm_arrival *a, const float *weights) {
     const cpm_scene *scene = v->pass->scene;
     v->evaluations += a->evaluations;
+    if (a->status == CPM_RAY_LEFT && v->pass->sky) see_sky(v, g, a, weights);
     if (a->status != CPM_RAY_HIT) return;
     const shape *s = &scene->shapes[cpm_primitive_shape(scene, a->hit.primitive)];
     if (s->material == CPM_NO_MATERIAL || scene->materials[s->material].kind == CPM_MATERIAL_DIELECTRIC)
@@ -188,13 +202,30 @@ static void look(viewer *v, int32_t column, int32_t row, int32_t pixel, const cp
     }
 }
 
+/* Rays that may see the sky are followed until they leave, not only until they cannot come back: light still bends; and
+ * where air dims, how much of it was on the way is measured. */
+static const cpm_follow_options to_the_extent = {.far = INFINITY};
+static const cpm_follow_options *options_of(const cpm_pass *pass) {
+    return pass->sky || pass->extinction ? &to_the_extent : NULL;
+}
+
+/* What air takes on the way, from the weights of the bins that a flight carries. */
+static void dim(const viewer *v, const cpm_flight *f, const cpm_arrival *a, float *weights) {
+    if (!v->pass->extinction) return;
+    const size_t first = (size_t)cpm_bins_first(f->bin);
+    const size_t count = (size_t)cpm_bins_count(f->bin, (int32_t)v->pass->bins);
+    for (size_t b = 0; b < count; b++) weights[b] *= (float)cpm_transmittance(v->pass, f, a, first + b);
+}
+
 /* All live branches to their next surface, and what they see there. */
 static void follow_now(viewer *v) {
     const size_t bins = v->pass->bins;
-    cpm_follow(v->pass, v->now.flights, v->now.count, NULL, v->now.arrivals);
+    cpm_follow(v->pass, v->now.flights, v->now.count, options_of(v->pass), v->now.arrivals);
     v->segments += v->now.count;
-    for (size_t i = 0; i < v->now.count && !v->failed && !cpm_poll(v->pass->context); i++)
+    for (size_t i = 0; i < v->now.count && !v->failed && !cpm_poll(v->pass->context); i++) {
+        dim(v, &v->now.flights[i], &v->now.arrivals[i], &v->now.weights[i * bins]);
         see(v, &v->now.all[i], &v->now.arrivals[i], &v->now.weights[i * bins]);
+    }
 }
 
 /* The same where bins of one ray may stay together in a medium that disperses. */
@@ -202,7 +233,8 @@ static void follow_now_in_bundles(viewer *v) {
     const size_t bins = v->pass->bins;
     cpm_bundles *b = &v->bundles;
     for (size_t i = 0; i < v->now.count; i++) v->now.leeways[i] = v->now.all[i].leeway;
-    if (!cpm_follow_bundles(b, v->pass, CPM_BUNDLES_OF_EYE, v->now.flights, v->now.leeways, v->now.count, NULL)) {
+    if (!cpm_follow_bundles(b, v->pass, CPM_BUNDLES_OF_EYE, v->now.flights, v->now.leeways, v->now.count,
+                            options_of(v->pass))) {
         v->failed = 1;
         return;
     }
@@ -213,7 +245,9 @@ static void follow_now_in_bundles(viewer *v) {
         const size_t before = (size_t)(cpm_bins_first(p->bin) - cpm_bins_first(g.flight.bin));
         g.leeway = cpm_leeway_after(&g.leeway, &g.flight, &p->arrival);
         g.flight.bin = p->bin;
-        see(v, &g, &p->arrival, &v->now.weights[p->from * bins + before]);
+        float *weights = &v->now.weights[p->from * bins + before];
+        dim(v, &g.flight, &p->arrival, weights);
+        see(v, &g, &p->arrival, weights);
     }
 }
 
