@@ -372,7 +372,7 @@ static void emit_far_block(task *t, const cpm_emitter *e, uint64_t path, size_t 
     const size_t made = cpm_far_emit(t->pass, e, path, count, &t->block.emission.made, t->far.flights, t->far.arrivals,
                                      t->far.paths, t->far.powers);
     uint32_t last = UINT32_MAX;
-    t->leeway = (cpm_leeway){0.0, 0.0}; /* bins of one start part as soon as they may */
+    if (t->together) t->leeway = cpm_emitter_leeway(t->pass, e, 1.0f); /* what survive() gives to each */
     for (size_t i = 0; i < made && !t->failed; i++) {
         const cpm_flight *f = &t->far.flights[i];
         const cpm_walker w = {.path = t->far.paths[i], .direct = 1};
