@@ -254,7 +254,7 @@ def draw(sweeps, costs):
             else:
                 axis.invert_xaxis()
             axis.set(xscale="log", yscale="log", ylim=(NOTHING / 3, 1), xlabel=("wall seconds", "rtol")[row], title=name)
-            axis.grid(which="both", lw=0.3)
+            axis.grid(which=("both", "major")[row], lw=0.3)
     for axis in axes[:, 0]:
         axis.set_ylabel(f"relative RMSE to exact, same seed ({NOTHING:g}: none)")
         axis.legend(fontsize=7)
