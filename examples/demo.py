@@ -55,11 +55,20 @@ def table(columns: dict[str, dict[str, object]]) -> str:
     return "\n".join(lines)
 
 
+def size(text: str) -> tuple[int, int]:
+    """400x300 as (400, 300); argparse says what is wrong."""
+    try:
+        width, height = map(int, text.lower().split("x"))
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a size such as 400x300") from None
+    return width, height
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--output", type=Path, default=Path("build/demo"), help="folder for the pictures (default: build/demo)")
     parser.add_argument("--photons", type=int, help="paths emitted (default: the scenes', 3 000 000)")
-    parser.add_argument("--size", type=lambda text: tuple(int(n) for n in text.split("x")), help="pixels, 400x300")
+    parser.add_argument("--size", type=size, help="pixels, 400x300")
     args = parser.parse_args()
     args.output.mkdir(parents=True, exist_ok=True)
     options = {key: value for key, value in (("photons", args.photons), ("size", args.size)) if value is not None}

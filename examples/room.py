@@ -38,16 +38,25 @@ def build_room(medium):
     return scene
 
 
+def size(text):
+    """400x300 as (400, 300); argparse says what is wrong."""
+    try:
+        width, height = map(int, text.lower().split("x"))
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a size such as 400x300") from None
+    return width, height
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--photons", type=int, default=3_000_000)
-    parser.add_argument("--size", default="400x300")
+    parser.add_argument("--size", type=size, default=(400, 300), help="pixels: 400x300")
     parser.add_argument("--straight", action="store_true", help="n = 1: the homogeneous room")
     parser.add_argument("-o", "--output", nargs="+", default=["room.exr", "room.png"])
     options = parser.parse_args()
 
     medium = cpm.media.Homogeneous(1.0) if options.straight else cpm.media.LinearSquared(1.69, (0, -0.10, 0))
-    image = cpm.render(build_room(medium), size=tuple(map(int, options.size.split("x"))), photons=options.photons,
+    image = cpm.render(build_room(medium), size=options.size, photons=options.photons,
                        nearest=150, progress=True)
     for path in options.output:
         image.save(path, white="E")     # the spot's spectrum is flat: let it look white

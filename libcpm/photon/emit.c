@@ -128,19 +128,27 @@ static double mean_emission(const cpm_pass *pass, size_t l) {
     return sum / (double)pass->bins;
 }
 
-/* Path numbers in proportion to power; every light that shines gets one at least where there are enough. */
-static void share_out(cpm_emitter *e, size_t count, const double *power, uint64_t photons) {
+/* Path numbers in proportion to power; every light that shines gets one at least where there are enough. Where there
+ * are not, chance decides which lights do: systematic sampling with one offset u in [0, 1), so that each gets as many
+ * as its share on average, and a path weighs what one of that many would. `expected` is what weights are divided by:
+ * the count itself where every light has some (no noise in the power emitted), else the share. */
+static void share_out(cpm_emitter *e, size_t count, const double *power, uint64_t photons, double u, double *expected) {
     double total = 0.0, so_far = 0.0;
-    for (size_t i = 0; i < count; i++) total += power[i];
-    uint64_t first = 0;
+    uint64_t shining = 0, first = 0;
+    for (size_t i = 0; i < count; i++) total += power[i], shining += power[i] > 0.0;
+    const int enough = photons >= shining;
     for (size_t i = 0; i < count; i++) {
         so_far += power[i];
-        uint64_t end = total > 0.0 ? (uint64_t)llround(so_far / total * (double)photons) : 0;
-        if (power[i] > 0.0 && end <= first && first < photons) end = first + 1;
-        if (end > photons) end = photons;
+        const double paths = total > 0.0 ? so_far / total * (double)photons : 0.0;
+        uint64_t end = enough ? (uint64_t)llround(paths) : (uint64_t)floor(paths + u);
+        if (power[i] > 0.0) shining--;
+        const uint64_t most = enough ? photons - shining : photons; /* one is left for each that is still to come */
+        if (enough && power[i] > 0.0 && end <= first) end = first + 1;
+        if (end > most) end = most;
         if (end < first) end = first;
         e[i].first = first;
         e[i].count = end - first;
+        expected[i] = enough ? (double)e[i].count : power[i] / total * (double)photons;
         first = end;
     }
 }
@@ -151,7 +159,8 @@ cpm_status cpm_emitters_create(const cpm_pass *pass, uint64_t photons, uint64_t 
     size_t lights = scene->light_count;
     cpm_emitter *e = calloc(lights + 1, sizeof *e);
     double *power = calloc(lights + 1, sizeof *power), *factor = calloc(lights + 1, sizeof *factor), total = 0.0;
-    cpm_status status = e && power && factor
+    double *expected = calloc(lights + 1, sizeof *expected);
+    cpm_status status = e && power && factor && expected
                             ? CPM_OK
                             : cpm_fail(scene->context, CPM_ERROR_OUT_OF_MEMORY, "no memory for %zu lights", lights);
     for (size_t i = 0; i < lights && !status; i++) {
@@ -180,18 +189,19 @@ cpm_status cpm_emitters_create(const cpm_pass *pass, uint64_t photons, uint64_t 
         total += power[i] = factor[i] * mean_emission(pass, i);
     }
     if (!status) {
-        share_out(e, lights, power, photons);
+        const cpm_random r = cpm_philox(seed, 0, 5, CPM_STREAM_EMIT, 0);
+        share_out(e, lights, power, photons, cpm_uniform(r.v[0]), expected);
         *scale = photons && total > 0.0 ? total / (double)photons : 0.0;
     }
     for (size_t i = 0; i < lights && !status; i++) {
         if (!e[i].count) continue;
         e[i].data.count = (double)e[i].count;
         for (size_t b = 0; b < pass->bins; b++)
-            e[i].weight[b] = (float)(factor[i] * pass->emission[i * pass->bins + b] / ((double)e[i].count * *scale));
+            e[i].weight[b] = (float)(factor[i] * pass->emission[i * pass->bins + b] / (expected[i] * *scale));
         if (project && scene->lights[i].kind != CPM_LIGHT_AREA) status = cpm_project(pass, &e[i], stats);
         e[i].data.rows = e[i].projection.rows, e[i].data.columns = e[i].projection.columns;
     }
-    free(power), free(factor);
+    free(power), free(factor), free(expected);
     *emitters = e;
     *count = lights;
     if (status) {

@@ -414,6 +414,12 @@ static void advance(task *t, size_t first, size_t count) {
     deal(t, first, count);
 }
 
+static int is_dark(const float *powers, size_t count) {
+    for (size_t b = 0; b < count; b++)
+        if (powers[b] > 0.0f) return 0;
+    return 1;
+}
+
 /* The same where bundles may stay together: those that part become several paths on the way. */
 static void advance_bundles(task *t, size_t first, size_t count) {
     const cpm_pass *pass = t->pass;
@@ -429,17 +435,21 @@ static void advance_bundles(task *t, size_t first, size_t count) {
     t->segments += b->followed;
     for (size_t i = 0; i < b->count; i++) {
         const cpm_parted *p = &b->parted[i];
-        const size_t at = first + p->from, all = pass->bins;
+        const size_t at = first + p->from, all = pass->bins, n = to->count;
         const int32_t before = cpm_bins_first(p->bin) - cpm_bins_first(from.flights[at].bin);
         const size_t carries = (size_t)cpm_bins_count(p->bin, (int32_t)all);
-        to->walkers[i] = from.walkers[at];
-        to->flights[i] = from.flights[at];
-        to->flights[i].bin = p->bin;
-        to->leeways[i] = from.leeways[at];
-        memcpy(&to->powers[i * all], &from.powers[at * all + (size_t)before], carries * sizeof *to->powers);
-        t->arrivals[i] = p->arrival;
+        const float *powers = &from.powers[at * all + (size_t)before];
+        t->evaluations += p->arrival.evaluations;
+        if (is_dark(powers, carries)) continue;
+        memcpy(&to->powers[n * all], powers, carries * sizeof *powers);
+        to->walkers[n] = from.walkers[at];
+        to->flights[n] = from.flights[at];
+        to->flights[n].bin = p->bin;
+        to->leeways[n] = from.leeways[at];
+        t->arrivals[n] = p->arrival;
+        t->arrivals[n].evaluations = 0.0; /* counted */
+        to->count++;
     }
-    to->count = b->count;
     t->now = *to;
     deal(t, 0, t->now.count);
     t->now = from;

@@ -9,7 +9,7 @@ into spectral pictures. Metres, nanometres, degrees; radiance in W·m⁻²·sr�
 
 colour-science, matplotlib, trimesh, pydantic and rich are imported when they are first needed, not before.
 """
-from . import air, atmosphere, dispersion, kernels, lights, materials, media, spectra
+from . import air, atmosphere, dispersion, kernels, lights, materials, media, spectra, wavelengths
 from ._arrays import bin_centers
 from ._core import Error
 from ._core import version as _version
@@ -67,4 +67,5 @@ __all__ = [
     "spectra",
     "trace",
     "trace_photons",
+    "wavelengths",
 ]

@@ -41,6 +41,9 @@ RANGES = {"ciddor": (230.0, 1700.0), "edlen": (230.0, 1700.0), "iag1999": (300.0
 # Ciddor (1996), appendix A. Dry air: n_axs − 1 = Σ k/(k' − σ²), σ in 1/µm. Water vapour: a polynomial in σ².
 _DRY_STRENGTHS, _DRY_POLES = np.array([0.05792105, 0.00167917]), np.array([238.0185, 57.362])
 _VAPOUR = 1.022e-8 * np.array([295.235, 2.6422, -0.032380, 0.004028])
+# Water vapour in the other two: Birch and Downs (1993) by σ², and Hohenkerk and Sinclair, K/Pa.
+_EDLEN_VAPOUR = (3.7345, -0.0401)
+_IAG_VAPOUR = 11.2684e-8
 _GAS_CONSTANT = 8.314510  # the paper's, J/(mol K)
 _MOLAR_VAPOUR = 0.018015  # kg/mol
 
@@ -108,6 +111,30 @@ def refractivity(
     if model == "edlen":
         return _edlen(wavelengths, t, p, e)
     return _iag1999(wavelengths, t, p, e)
+
+
+def vapour_part(
+    wavelength: npt.ArrayLike,
+    temperature: npt.ArrayLike,
+    pressure: npt.ArrayLike,
+    vapour: npt.ArrayLike,
+    model: str = "ciddor",
+) -> FloatArray:
+    """What of :func:`refractivity` has water vapour's dispersion; the rest has dry air's. Negative in "edlen" and
+    "iag1999", which take a mixture for dry air first and then subtract. "iag1999" gives it no dispersion."""
+    one_of(model, "model", MODELS)
+    wavelengths = as_array(wavelength, "wavelength")
+    t, p, e = as_array(temperature, "temperature"), as_array(pressure, "pressure"), as_array(vapour, "vapour")
+    if model == "ciddor":
+        return _ciddor_densities(t, p, e, 450.0)[1] * _wet(wavelengths)
+    if model == "edlen":
+        return _edlen_vapour(wavelengths, t, e)
+    return np.asarray(-_IAG_VAPOUR * e / t)
+
+
+def vapour_coefficients(model: str) -> list[float] | None:
+    """Water vapour's dispersion as a polynomial in σ² (1/µm²), up to a factor; None: it has none."""
+    return {"ciddor": list(_VAPOUR), "edlen": [1e-6 * c for c in _EDLEN_VAPOUR], "iag1999": None}[model]
 
 
 def ciddor(
@@ -212,11 +239,11 @@ def gas_coefficients(
         return (
             [density * 2406147e-8, density * 15998e-8],
             [130.0, 38.9],
-            [density * 8342.54e-8 - 3.7345 * vapour_term, 0.0401 * vapour_term],
+            [density * 8342.54e-8 - _EDLEN_VAPOUR[0] * vapour_term, -_EDLEN_VAPOUR[1] * vapour_term],
         )
     one_of(model, "model", MODELS)
     density = 273.15 / 101325.0 * p / t
-    return [], [], [287.6155e-6 * density - 11.2684e-8 * e / t, 1.62887e-6 * density, 0.01360e-6 * density]
+    return [], [], [287.6155e-6 * density - _IAG_VAPOUR * e / t, 1.62887e-6 * density, 0.01360e-6 * density]
 
 
 def _of_humidity(wavelength: Any, temperature: Any, pressure: Any, humidity: Any, model: str, co2: float) -> FloatArray:
@@ -299,10 +326,15 @@ def _edlen_density(t: FloatArray, p: FloatArray) -> FloatArray:
 def _edlen(wavelengths: FloatArray, t: FloatArray, p: FloatArray, e: FloatArray) -> FloatArray:
     k = _wavenumber_squared(wavelengths)
     standard = 1e-8 * (8342.54 + 2406147.0 / (130.0 - k) + 15998.0 / (38.9 - k))
-    return np.asarray(standard * _edlen_density(t, p) - 292.75 / t * 1e-10 * e * (3.7345 - 0.0401 * k))
+    return np.asarray(standard * _edlen_density(t, p) + _edlen_vapour(wavelengths, t, e))
+
+
+def _edlen_vapour(wavelengths: FloatArray, t: FloatArray, e: FloatArray) -> FloatArray:
+    k = _wavenumber_squared(wavelengths)
+    return np.asarray(-292.75 / t * 1e-10 * e * (_EDLEN_VAPOUR[0] + _EDLEN_VAPOUR[1] * k))
 
 
 def _iag1999(wavelengths: FloatArray, t: FloatArray, p: FloatArray, e: FloatArray) -> FloatArray:
     k = _wavenumber_squared(wavelengths)
     dry = 1e-6 * (287.6155 + k * (1.62887 + k * 0.01360)) * (273.15 / 101325.0)
-    return np.asarray((dry * p - 11.2684e-8 * e) / t)
+    return np.asarray((dry * p - _IAG_VAPOUR * e) / t)

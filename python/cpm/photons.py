@@ -13,6 +13,7 @@ from ._progress import ProgressLike, reporting
 from .scene import Scene
 from .settings import MAX_BATCH, MAX_NEAREST, resolve
 from .status import feature_names, require_native
+from .wavelengths import Bins
 
 __all__ = ["PhotonMap", "Photons", "trace_photons"]
 
@@ -102,8 +103,9 @@ class Photons:
         Bin centres, nm.
     """
 
-    def __init__(self, handle: _core.Photons, wavelengths: FloatArray) -> None:
+    def __init__(self, handle: _core.Photons, wavelengths: FloatArray, bins: Bins | None = None) -> None:
         self._handle = handle
+        self._bins = bins
         self.wavelengths = wavelengths
         self.diffuse = PhotonMap(handle, "diffuse")
         self.caustic = PhotonMap(handle, "caustic")
@@ -139,7 +141,7 @@ def trace_photons(scene: Scene, photons: int | None = None, *, seed: int | None 
     seed : int, optional
         Default: the scene's, else 0. The same seed gives the same photons for any threads and batch.
     wavelengths : array_like, shape (bins,), optional
-        Bin centres, nm. Default: the scene's, else 16 bins of 400–700 nm.
+        Bin centres, nm, or Bins of :mod:`cpm.wavelengths`. Default: the scene's, else 16 bins of 400–700 nm.
     projection : bool
         Emit only where something may be hit (unbiased all the same).
     bundle_tolerance : float, optional
@@ -171,7 +173,7 @@ def trace_photons(scene: Scene, photons: int | None = None, *, seed: int | None 
                                      bundle_tolerance=settings.bundle_tolerance,
                                      batch=as_integer(batch, "batch", 0, MAX_BATCH),
                                      threads=as_integer(threads, "threads", 0, 1024), progress=report)
-    return Photons(handle, settings.wavelengths)
+    return Photons(handle, settings.wavelengths, settings.bins)
 
 
 def named_stats(stats: dict[str, Any]) -> dict[str, Any]:

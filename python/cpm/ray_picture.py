@@ -20,7 +20,10 @@ __all__ = ["ray_picture"]
 
 #: Drawn where wavelengths part, nm and colour; else the middle one alone.
 _SPLIT = ((450.0, "tab:blue"), (550.0, "tab:green"), (650.0, "tab:red"))
-_SAMPLES = 256
+_SAMPLES = 256          # of a path, where rays are few
+_LEAST_SAMPLES = 16
+_MOST_POINTS = 1 << 22  # of all paths of one light and wavelength: bounds memory
+_DRAWN_AT_ONCE = 500    # paths; matplotlib answers Ctrl-C between such pieces
 _FIELD = 240            # points across, of the background
 _LEVELS = 14            # of the background, about
 _LEAST_CHANGE = 1e-9    # of n, below which there is no background
@@ -69,8 +72,9 @@ def ray_picture(scene: Scene, rays: int = 25, light: int | None = None, title: s
     figure.set_size_inches(8.0, float(np.clip(6.6 * shape + 1.3, 3.0, 9.0)))
     wavelengths = _colours(scene)
     _draw_index(figure, axes, section, scene, wavelengths[len(wavelengths) // 2][0])
+    samples = min(max(_MOST_POINTS // rays, _LEAST_SAMPLES), _SAMPLES)
     for wavelength, colour in wavelengths:
-        traced = [trace(scene, *section.fan(scene, source, rays), wavelength=wavelength, path=_SAMPLES)
+        traced = [trace(scene, *section.fan(scene, source, rays), wavelength=wavelength, path=samples)
                   for source in lights]
         _draw_rays(axes, section, traced, wavelength, colour)
     _draw_walls(axes, walls)
@@ -107,8 +111,10 @@ def _draw_rays(axes: Any, section: Section, traced: list[Rays], wavelength: floa
     ends = [_ENDS.get(RayStatus(status), _STOPPED) for rays in traced for status in rays.status]
     for end, count in Counter(ends).items():
         chosen = [path for path, way in zip(paths, ends, strict=True) if way == end]
-        axes.add_collection(LineCollection(chosen, colors=colour, linewidths=0.8, alpha=0.85, linestyles=end[1],
-                                           zorder=2, label=f"{wavelength:.0f} nm: {count} {end[0]}"))
+        for first in range(0, count, _DRAWN_AT_ONCE):
+            label = f"{wavelength:.0f} nm: {count} {end[0]}" if first == 0 else "_more"
+            axes.add_collection(LineCollection(chosen[first : first + _DRAWN_AT_ONCE], colors=colour, linewidths=0.8,
+                                               alpha=0.85, linestyles=end[1], zorder=2, label=label), autolim=False)
         if end == _STOPPED:
             axes.plot(*np.transpose([path[-1] for path in chosen]), "x", color="black", zorder=4)
 

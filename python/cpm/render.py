@@ -41,7 +41,7 @@ def render(scene: Scene, size: tuple[int, int] | None = None, photons: int | Pho
     nearest : int, optional
         Photons of each map in an estimate; default 150.
     wavelengths : array_like, shape (bins,), optional
-        Bin centres, nm; default 16 bins of 400–700 nm. With photons traced before: theirs.
+        Bin centres, nm, or Bins of :mod:`cpm.wavelengths`; default 16 bins of 400–700 nm. With photons traced before: theirs.
     samples : int, optional
         Eye rays a pixel; default 1, through its middle. More cover it evenly: four smooth the stairs on edges.
     seed : int, optional
@@ -92,7 +92,7 @@ def render(scene: Scene, size: tuple[int, int] | None = None, photons: int | Pho
     if traced is not None:
         if wavelengths is not None:
             raise ValueError("wavelengths are given with photons traced before; the picture has theirs")
-        wavelengths = traced.wavelengths
+        wavelengths = traced.wavelengths if traced._bins is None else traced._bins
     if max_radius is not None and not as_number(max_radius, "max_radius") > 0:
         raise ValueError(f"max_radius is {max_radius:g}; it must be > 0 (metres)")
     settings = resolve(scene.render_defaults, size=size, photons=count, nearest=nearest, wavelengths=wavelengths,
@@ -106,7 +106,7 @@ def render(scene: Scene, size: tuple[int, int] | None = None, photons: int | Pho
                               edge_correction=bool(edge_correction), bundle_tolerance=settings.bundle_tolerance,
                               batch=as_integer(batch, "batch", 0, MAX_BATCH),
                               threads=as_integer(threads, "threads", 0, 1024), progress=report)
-    image = Image._of(handle)
+    image = Image._of(handle, settings.bins)
     if not image.data.any():
         warnings.warn(f"the picture is black: {_why_black(scene, image.stats, settings.wavelengths)}", stacklevel=2)
     return image

@@ -9,6 +9,7 @@ import numpy as np
 
 from . import _core
 from ._arrays import FloatArray, as_array, as_integer, as_number, bin_centers
+from .wavelengths import Bins
 
 #: The core's bounds.
 MAX_NEAREST, MAX_SAMPLES, MAX_BATCH, MAX_BUNDLE_TOLERANCE = 1_000_000, 1 << 20, 1 << 20, 100.0
@@ -26,7 +27,7 @@ class RenderSettings:
     photons : int, default 3 000 000
         Paths emitted.
     nearest : int, default 150
-    wavelengths : bin centres in nm, default 16 bins of 400–700 nm
+    wavelengths : bin centres in nm, or Bins of :mod:`cpm.wavelengths`; default 16 bins of 400–700 nm
     samples : int, default 1
         Eye rays a pixel.
     seed : int, default 0
@@ -54,6 +55,7 @@ class Resolved:
     photons: int
     nearest: int
     wavelengths: FloatArray
+    bins: Bins | None  # where they were given as such
     samples: int
     seed: int
     max_radius: float
@@ -65,7 +67,9 @@ _DEFAULTS = RenderSettings(size=(400, 300), photons=3_000_000, nearest=150, samp
 
 
 def as_wavelengths(value: Any) -> FloatArray:
-    """Bin centres (nm) from an array, a number, or a mapping of ``from``, ``to`` and ``bins``."""
+    """Bin centres (nm) from an array, a number, Bins, or a mapping of ``from``, ``to`` and ``bins``."""
+    if isinstance(value, Bins):
+        return value.centers
     if value is None:
         return bin_centers(400.0, 700.0, 16)
     if isinstance(value, Mapping):
@@ -84,6 +88,11 @@ def as_wavelengths(value: Any) -> FloatArray:
         i = int(falls[0]) + 1
         raise ValueError(f"wavelengths[{i}] is {centers[i]:g} nm after {centers[i - 1]:g}; they must increase strictly")
     return np.ascontiguousarray(centers)
+
+
+def bins_of(value: Any) -> Bins | None:
+    """Bins that were given as such; None: centres, with edges half-way between them."""
+    return value if isinstance(value, Bins) else None
 
 
 def _tolerance(value: Any) -> float:
@@ -112,6 +121,7 @@ def resolve(defaults: RenderSettings, **asked: Any) -> Resolved:
         photons=as_integer(values["photons"], "photons", 0, 2**32 - 1),
         nearest=as_integer(values["nearest"], "nearest", 2, MAX_NEAREST),
         wavelengths=as_wavelengths(values["wavelengths"]),
+        bins=bins_of(values["wavelengths"]),
         samples=as_integer(values["samples"], "samples", 1, MAX_SAMPLES),
         seed=as_integer(values["seed"], "seed", 0, 2**64 - 1),
         max_radius=as_number(values["max_radius"], "max_radius"),

@@ -83,6 +83,22 @@ SAPPHIRE = [
     (2249.29, 1.73232),
     (4255.30, 1.66371),
 ]
+# A supplier's table (Valley Design), ordinary ray, where it has the wavelength to a nanometre: five decimals.
+SAPPHIRE_SUPPLIED = [
+    (532, 1.77170),
+    (590, 1.76804),
+    (633, 1.76590),
+    (670, 1.76433),
+    (755, 1.76141),
+    (780, 1.76068),
+    (800, 1.76013),
+    (820, 1.75961),
+    (980, 1.75607),
+    (1064, 1.75449),
+    (1320, 1.75009),
+    (1550, 1.74618),
+    (2010, 1.73748),
+]
 # Handbook values of C, D, F; stones differ by a few 1e-4.
 DIAMOND = [(656.28, 2.4099), (589.29, 2.4175), (486.13, 2.4354)]
 
@@ -117,6 +133,7 @@ def test_water():
 
 def test_sapphire():
     check("sapphire", SAPPHIRE, 3e-5, offset=-4 * 1.3e-5)
+    check("sapphire", SAPPHIRE_SUPPLIED, 1e-5)
 
 
 def test_diamond():

@@ -219,3 +219,11 @@ def test_bounds_are_the_cores(name, value, allowed):
         cpm.render(lit_triangle(), photons=0, **{name: value})
     with pytest.warns(UserWarning, match="black"):
         cpm.render(lit_triangle(), size=(1, 1), photons=0, wavelengths=[550.0], **{name: value - 1})
+
+
+def test_a_medium_by_a_name_that_is_not_there():
+    """The message names n, the value, and what is allowed, as `Scene("vacuum")` did not."""
+    with pytest.raises(ValueError, match=r"n is 'vacuum'; a number \(1 is vacuum\), a dispersion or a name .*BK7"):
+        cpm.Scene("vacuum")
+    with pytest.raises(ValueError, match=r"n is 'vacuum'"):
+        cpm.media.Homogeneous("vacuum")

@@ -143,7 +143,13 @@ def test_no_arguments_is_help(capsys):
         (["render", CURVED, "-o", "a.jpg"], ["a.jpg", ".exr, .png"]),
         (["render", CURVED, "-o", "none/a.png"], ["none", "no such folder"]),
         (["render", CURVED, "-o", "a.png", "-o", "./a.png"], ["a.png", "twice"]),
-        (["render", CURVED, *SMALL, "--white", "chalk"], ["white", "'chalk'"]),
+        (["render", CURVED, "--white", "chalk"], ["white", "'chalk'"]),
+        (["render", CURVED, "--gamut", "cut"], ["gamut", "'cut'", "clip, desaturate, keep"]),
+        (["render", CURVED, "--exposure", "0"], ["exposure", "0", "> 0"]),
+        (["photons", CURVED, "--white", "chalk"], ["white", "'chalk'"]),
+        (["photons", CURVED, "--exposure", "-1"], ["exposure", "-1", "> 0"]),
+        (["render", CURVED, "-o", "/proc/a.png"], ["/proc/a.png: cannot be written"]),
+        (["rays", CURVED, "-o", "/proc/a.png"], ["/proc/a.png: cannot be written"]),
         (["rays", CURVED, "--light", "1"], ["light", "1"]),
     ],
 )
@@ -155,6 +161,19 @@ def test_bad_input_is_one_line_and_status_2(arguments, words, capsys):
     for word in words:
         assert word in printed.err
     assert files() == []
+
+
+@pytest.mark.parametrize("options", [["--white", "chalk"], ["-o", "/proc/a.png"]])
+def test_refused_before_the_work(options, monkeypatch):
+    monkeypatch.setattr("cpm.cli.render.render_scene", lambda *_, **__: pytest.fail("rendered first"))
+    assert run(["render", CURVED, *options]) == 2
+
+
+def test_a_folder_that_closes_meanwhile_is_named_as_the_user_did(capsys, monkeypatch):
+    """Writable when asked, not when the picture is there: the message has the user's path, not that of the file beside."""
+    monkeypatch.setattr("cpm.cli.options.refuse_unwritable", lambda path: None)
+    assert run(["render", HOMOGENEOUS, *SMALL, "-q", "-o", "/proc/a.png"]) == 2
+    assert capsys.readouterr().err == "cpm: /proc/a.png: no such file\n"
 
 
 def test_what_is_not_there_yet_is_a_failure(capsys):

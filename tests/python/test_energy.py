@@ -95,3 +95,32 @@ def test_open_scene_escapes():
     error = 4 * sphere * np.sqrt(5 / 36 / 60_000)
     assert energy["absorbed"][0] == pytest.approx(square, abs=error)
     assert energy["escaped"][0] == pytest.approx(sphere - square, abs=error)
+
+
+@pytest.mark.parametrize("powers, photons", [((1.0, 1.0, 1.0, 1.0, 1.0), 2), ((4.0, 1.0, 0.5, 0.0, 2.5, 3.0), 3)])
+def test_fewer_photons_than_lights(powers, photons):
+    """No power is lost: what is emitted is the lights' together for every seed, and each light's own on average."""
+    spectra = [([500, 600], [power, 0.0] if i % 2 else [0.0, power]) for i, power in enumerate(powers)]
+    scene = cpm.Scene()
+    scene.add_mesh(*scenes.box_mesh((-1, -1, -1), (1, 1, 1)), cpm.materials.Black())
+    for spectrum in spectra:
+        scene.add_light(cpm.lights.Point((0.1, 0.2, 0.3), spectrum))
+    emitted = []
+    for seed in range(400):
+        energy = cpm.trace_photons(scene, photons, seed=seed, wavelengths=[500, 600]).energy
+        np.testing.assert_allclose(energy["emitted"].sum(), 4 * np.pi * sum(powers), rtol=1e-6)
+        np.testing.assert_allclose(energy["absorbed"], energy["emitted"], rtol=1e-6)
+        emitted.append(energy["emitted"])
+    mean, spread = np.mean(emitted, axis=0), np.std(emitted, axis=0) / 20
+    truth = 4 * np.pi * np.array([sum(powers[1::2]), sum(powers[::2])])
+    assert np.all(np.abs(mean - truth) < 4.5 * spread), (mean / truth, spread / truth)  # false alarm 1e-5
+
+
+def test_a_faint_last_light_has_a_path():
+    """Three photons, three lights, the last 1e-9 of the others: it is not forgotten (its bin is its own)."""
+    scene = cpm.Scene()
+    scene.add_mesh(*scenes.box_mesh((-1, -1, -1), (1, 1, 1)), cpm.materials.Black())
+    for spectrum in ([1.0, 0.0], [1.0, 0.0], [0.0, 1e-9]):
+        scene.add_light(cpm.lights.Point((0, 0, 0), ([500, 600], spectrum)))
+    energy = cpm.trace_photons(scene, 3, wavelengths=[500, 600]).energy
+    np.testing.assert_allclose(energy["emitted"], 4 * np.pi * np.array([2.0, 1e-9]), rtol=1e-5)

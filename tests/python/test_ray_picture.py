@@ -1,5 +1,7 @@
 """cpm rays: what the picture holds (its look is judged by eye; its numbers here)."""
 
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -58,3 +60,33 @@ def test_index_of_a_section():
 def test_a_light_that_is_not_there(light):
     with pytest.raises(ValueError, match=rf"light is {light}; the scene has 1 lights: 0 to 0 are allowed"):
         ray_picture(cpm.load_scene(EXAMPLES / "glass_caustic.toml"), light=light)
+
+
+def test_many_rays_are_drawn_in_pieces():
+    """Ctrl-C is answered between pieces; the legend still has one line for all, and memory a bound."""
+    figure = ray_picture(cpm.load_scene(EXAMPLES / "cross_room_homogeneous.toml"), rays=20_000)
+    pieces = [each for each in figure.axes[0].collections if each.get_label() != "surfaces"]
+    assert max(len(each.get_paths()) for each in pieces) <= 500
+    assert sum(len(each.get_paths()) for each in pieces) == 20_000
+    assert sum(len(path.vertices) for each in pieces for path in each.get_paths()) <= 1.1 * (1 << 22)
+    named = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert sum(int(label.split()[2]) for label in named if label.startswith("550 nm: ")) == 20_000 and len(named) == 4
+
+
+def test_ctrl_c_while_many_rays_are_drawn(tmp_path):
+    """A second at most, as everywhere: matplotlib draws no more than a piece before it is answered (issue: it drew all)."""
+    code = ("import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+            "import matplotlib.backends.backend_agg as agg, matplotlib.collections as parts\n"
+            "drawn, real = [0], parts.LineCollection.draw\n"
+            "def draw(self, renderer):\n"
+            "    drawn[0] += 1\n"
+            "    if drawn[0] == 10: signal.raise_signal(signal.SIGINT)\n"
+            "    real(self, renderer)\n"
+            "parts.LineCollection.draw = draw\n"
+            "from cpm.cli.program import run\n"
+            "status = run(sys.argv[1:]); print(drawn[0]); sys.exit(status)")
+    scene = EXAMPLES / "cross_room_homogeneous.toml"
+    done = subprocess.run([sys.executable, "-c", code, "rays", scene, "--rays", "20000", "-o", tmp_path / "a.png"],
+                          capture_output=True, text=True, timeout=120)
+    assert done.returncode == 130 and done.stdout.split() == ["10"], done
+    assert not list(tmp_path.iterdir())

@@ -82,17 +82,17 @@ def rectangle(center, a, b):
     return quads_mesh([(center - a - b, 2 * a, 2 * b)])
 
 
-def room(medium=None, paint=None, **integrator):
+def room(medium=None, paint=None, intensity=cross_room.INTENSITY, **integrator):
     """The cross room; `paint` maps white, red, green to a reflectance (default: black diffuse).
 
-    `integrator`: method, rtol and the like, for the scene.
+    `intensity`: the spot's. `integrator`: method, rtol and the like, for the scene.
     """
     paint = paint or {"white": 0.0, "red": 0.0, "green": 0.0}
     scene = cpm.Scene(medium=medium, **integrator)
     for name, reflectance in paint.items():
         vertices, faces = cross_room.mesh((name,))
         scene.add_mesh(vertices, faces, material=cpm.materials.Diffuse(reflectance))
-    scene.add_light(cpm.lights.Spot(cross_room.SPOT, cross_room.TARGET, cutoff=14.0, intensity=cross_room.INTENSITY))
+    scene.add_light(cpm.lights.Spot(cross_room.SPOT, cross_room.TARGET, cutoff=14.0, intensity=intensity))
     scene.camera = cpm.Camera.look_at((1.85, 3.0, 1.85), (-1.2, 0.6, -0.9), (0, 1, 0), fov=70.0)
     return scene
 

@@ -6,6 +6,8 @@ from typing import Annotated, Any
 
 import typer
 
+from .._files import refuse_unwritable
+from ..colorimetry import GAMUTS
 from ..image import SUFFIXES
 from ..scene import Scene as SceneType
 from ..scene_file import load_scene
@@ -58,6 +60,9 @@ Exposure = Annotated[float | None, typer.Option("--exposure", metavar="F", show_
                                                 help="PNG: factor on luminance in cd/m2.")]
 White = Annotated[str | None, typer.Option("--white", metavar="NAME", show_default="none",
                                            help="PNG: illuminant that looks neutral, as E or D65.")]
+Gamut = Annotated[str | None, typer.Option("--gamut", metavar="NAME", show_default="clip",
+                                           help=f"PNG: what becomes of colours that cannot be shown: "
+                                           f"{', '.join(GAMUTS)}.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no table.")]
 
 
@@ -68,10 +73,7 @@ def outputs_or_default(outputs: list[Path] | None, scene: Path, ending: str = ""
     for path in chosen:
         if path.suffix.lower() not in suffixes:
             raise ValueError(f"{path}: suffix '{path.suffix}'; {', '.join(suffixes)} are allowed")
-        if not path.parent.is_dir():
-            raise ValueError(f"{path}: no such folder: {path.parent}")
-        if path.is_dir():
-            raise ValueError(f"{path}: is a folder")
+        refuse_unwritable(path)
     if len({path.resolve() for path in chosen}) != len(chosen):
         raise ValueError(f"the same output is given twice: {', '.join(map(str, chosen))}")
     return chosen

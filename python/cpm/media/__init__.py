@@ -20,7 +20,7 @@ from ._base import Medium, as_medium
 from .atmosphere import Atmosphere
 from .expression import Expression
 from .fisheye import Fisheye
-from .grid import Grid
+from .grid import AIR_GLADSTONE_DALE, Grid
 from .homogeneous import Homogeneous
 from .layered import Layered
 from .lenses import Eaton, Luneburg
@@ -30,6 +30,7 @@ from .sources import Sources
 from .sum import Sum
 
 __all__ = [
+    "AIR_GLADSTONE_DALE",
     "Atmosphere",
     "Eaton",
     "Expression",

@@ -6,7 +6,7 @@ from typing import Any
 from .. import _core
 from .._arrays import as_number
 from ..bounds import Bounds
-from ..dispersion import Dispersion, catalogue
+from ..dispersion import Dispersion, catalogue, catalogue_names
 from ._base import Medium
 
 
@@ -24,7 +24,11 @@ class Homogeneous(Medium):
 
     def __init__(self, n: float | str | Dispersion = 1.0, dispersion: Dispersion | str | None = None,
                  bounds: Bounds | None = None) -> None:
-        model = catalogue(n) if isinstance(n, str) else n
+        try:
+            model = catalogue(n) if isinstance(n, str) else n
+        except ValueError:
+            raise ValueError(f"n is {n!r}; a number (1 is vacuum), a dispersion or a name from the catalogue "
+                             f"({', '.join(catalogue_names())}) is needed") from None
         if isinstance(model, Dispersion):
             if dispersion is not None:
                 raise ValueError(f"Homogeneous has n = {n!r} and dispersion = {dispersion!r}; one of them gives n(λ)")

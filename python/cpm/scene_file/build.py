@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from .. import _core, atmosphere, dispersion, lights, materials, media, spectra
+from .. import _core, atmosphere, dispersion, lights, materials, media, spectra, wavelengths
+from .._arrays import bin_centers
 from ..bounds import Bounds, Box, Sphere
 from ..camera import Camera
 from ..scene import Scene
@@ -63,7 +64,7 @@ class _Builder:
         if table.camera is not None:
             with self.at("camera"):
                 scene.camera = Camera.look_at(**table.camera.model_dump())
-        scene.render_defaults = self.render_settings()
+        scene.render_defaults = self.render_settings(scene)
         return scene
 
     # Errors.
@@ -310,12 +311,17 @@ class _Builder:
                 return lights.Area(self.shape(table.shape, f"{key}.shape"),
                                    self.spectrum(table.radiance, f"{key}.radiance"))
 
-    def render_settings(self) -> RenderSettings:
+    def render_settings(self, scene: Scene) -> RenderSettings:
         table = self.table.render
         settings = RenderSettings(**table.model_dump(exclude={"wavelengths"}))
         if table.wavelengths is not None:
             asked = table.wavelengths
             with self.at("render.wavelengths"):
-                settings.wavelengths = as_wavelengths(
-                    asked.model_dump(by_alias=True) if isinstance(asked, models.BinsTable) else asked)
+                if not isinstance(asked, models.BinsTable):
+                    settings.wavelengths = as_wavelengths(asked)
+                elif asked.sampling == "equal":
+                    settings.wavelengths = bin_centers(asked.from_, asked.to, asked.bins)
+                else:
+                    settings.wavelengths = wavelengths.for_scene(scene, asked.from_, asked.to, asked.bins,
+                                                                 asked.sampling)
         return settings

@@ -475,6 +475,7 @@ class BinsTable(Table):
     from_: Positive = Field(alias="from")
     to: Positive
     bins: Annotated[Integer, Field(ge=1, le=256)]
+    sampling: Literal["equal", "refraction", "contribution"] = "equal"
 
 
 def _wavelengths_kind(value: Any) -> str | None:
@@ -485,7 +486,7 @@ Wavelengths = Annotated[
     Annotated[list[Positive], Field(min_length=1, max_length=256), Tag("<list>")]
     | Annotated[BinsTable, Tag("<table>")],
     Discriminator(_wavelengths_kind, custom_error_type="kind",
-                  custom_error_message="must be a list of bin centres or a table of from, to and bins")]
+                  custom_error_message="must be a list of bin centres or a table of from, to, bins and sampling")]
 
 Pixels = Annotated[Integer, Field(ge=1, le=65536)]
 
@@ -500,7 +501,8 @@ class RenderTable(Table):
     samples: Annotated[Integer, Field(ge=1, le=MAX_SAMPLES)] | None = None
     seed: Annotated[Integer, Field(ge=0, le=2**63 - 1)] | None = None
     max_radius: Positive | None = None
-    bundle_tolerance: Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0, le=MAX_BUNDLE_TOLERANCE)] | None = None
+    bundle_tolerance: Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0,
+                                             le=MAX_BUNDLE_TOLERANCE)] | None = None
 
 
 class IntegratorTable(Table):
