@@ -133,6 +133,7 @@ CPM_INLINE cpm_trial cpm_step_adams(const cpm_medium_data *m, CPM_GLOBAL const d
     if (rows > 4)
         t.dense = pick(at_most(splat(4.0), smaller(order, kept)),
                        hh * root(d[4][0] * d[4][0] + d[4][1] * d[4][1] + d[4][2] * d[4][2]) * R(1.0 / 30), zero);
+    t.curve = splat(0.0);
     t.dense = larger(t.dense, R(64.0) * root(t.error_position2));
     return t;
 }
