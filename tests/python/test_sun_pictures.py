@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from oracles.atmosphere import bend
+from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
@@ -107,3 +108,77 @@ def test_no_banding():
     values = data[:, 0].astype(float)
     second = np.diff(values, 2) / values[1:-1]
     assert np.max(np.abs(second)) < 5e-6  # the film's floats have 6e-8, four of them a second difference; the law 1e-6
+
+
+# ------------------------------------------------------------------------------------------ ducts, and cold air
+
+
+def flat_path(profiles, until, height, apparent, wavelength):
+    """A ray in the plane from the eye towards the Sun: d(n t)/ds = ∇n in Cartesian coordinates from the Earth's centre.
+    `profiles` hold in turn, up to each distance of `until` (metres), the last one to the top of the air. Position and unit
+    direction at the end."""
+    angle = np.radians(apparent)
+    state = np.array((0.0, R + height, np.cos(angle), np.sin(angle)))
+    for profile, distance in zip(profiles, until, strict=True):
+        n1, derivative = spline(profile, wavelength)
+
+        def slope(_, y, n1=n1, derivative=derivative):
+            r = np.hypot(y[0], y[1])
+            n, bend_by = 1 + float(n1(r - R)), float(derivative(r - R))
+            p = y[2:] / np.hypot(y[2], y[3])
+            return np.concatenate([p, (bend_by * y[:2] / r - bend_by * (y[:2] @ p / r) * p) / n])
+
+        def far(_, y, distance=distance):
+            return y[0] - distance
+
+        def out(_, y):
+            return np.hypot(y[0], y[1]) - R - STANDARD_TOP
+
+        far.terminal = out.terminal = True
+        state = solve_ivp(slope, (0, 3e6), state, method="DOP853", rtol=1e-11, atol=(1e-6, 1e-6, 1e-13, 1e-13),
+                          events=(far, out), max_step=3e3).y[:, -1]
+    return state[:2] - (0, R), state[2:] / np.hypot(*state[2:])
+
+
+STANDARD_TOP = 85e3
+
+
+def test_novaya_zemlya():
+    """The Sun, 3.05° under the level, in stripes: each border of each stripe to 2", asked on both sides of it."""
+    scene = load("novaya_zemlya")
+    sun, inside, outside = scene.lights[0], scene.media[0].profile, scene.medium.profile
+    altitude, data = column(scene, (-0.13, 0.13), [550.0])
+    lit = data[:, 0] > 0
+    borders = np.flatnonzero(lit[1:] != lit[:-1])
+    assert len(borders) >= 6 and lit.sum() > 200  # several stripes, minutes of arc in all
+    asked = 0
+    for i in borders:
+        for above, is_lit in ((2.0, lit[i]), (-2.0, lit[i + 1])):
+            a = 0.5 * (altitude[i] + altitude[i + 1]) + above * SECOND
+            _, d = flat_path((inside, outside), (250e3, np.inf), 30.0, a, 550.0)
+            off = abs(np.degrees(np.arctan2(d[1], d[0])) - sun.elevation)
+            if np.sum(np.abs(borders - i) <= 5) == 1:  # of stripes wider than the question
+                assert (off < sun.angular_radius) == is_lit, (a * 60, off)
+                asked += 1
+    assert asked >= 8
+
+
+def test_looming():
+    """Tops of the coast, 45 km away and hidden behind the curve of the Earth, to a pixel (4") where the curved rays say."""
+    scene = load("looming")
+    profile, tops = scene.medium.profile, np.array((81, 111, 96, 131, 101)) - 200.0
+    image = cpm.render(scene, wavelengths=[550.0], progress=False)
+    height, width = image.data.shape[:2]
+    half = np.tan(np.radians(0.2)) * height / width
+    tilt = np.degrees(np.arctan(0.05 / 100))
+    altitude = np.degrees(np.arctan(half * (1 - (2 * np.arange(height) + 1) / height))) - tilt
+    focal = width / 2 / np.tan(np.radians(0.2))
+    pixel = 4.0 * SECOND
+    horizon = altitude[np.flatnonzero(image.data[:, 2, 0] == 0)[0]]
+    for x, top in zip((-100, -60, -10, 30, 85), tops, strict=True):
+        dark = np.flatnonzero(image.data[:, int(width / 2 + focal * x / 45e3), 0] == 0)[0]
+        wanted = brentq(lambda a, top=top: flat_path((profile,), (45e3,), 5.0, a, 550.0)[0][1] - top, -0.1, 0.15, xtol=1e-6)
+        assert abs(altitude[dark] + 0.5 * pixel - wanted) < pixel
+        assert altitude[dark] > horizon
+    straight = np.degrees(np.arctan((tops - 5) / 45e3))
+    assert np.all(straight < -np.degrees(np.arccos(R / (R + 5))))  # without air none would be seen
