@@ -27,9 +27,9 @@ def sunlight(wavelength):
 
 
 def limb(height=60, width=4):
-    """The upper limb of the Sun, 4″ a pixel, 8 eye rays each, as it goes down into the sea: only what refracts the most is still seen.
+    """The upper limb of the Sun as it sets, 4″ a pixel, 8 eye rays each: violet stands the highest.
 
-    A ball of the Sun's angular radius beyond the air shines with sunlight(). The picture's lowest row is the sea.
+    A ball of the Sun's angular radius beyond the air shines with sunlight().
     """
     profile = cpm.atmosphere.Polytropic(288.15, 101325.0)
     air = cpm.media.Atmosphere(profile, radius=6371e3)
@@ -59,12 +59,24 @@ def road():
                    material=cpm.materials.Diffuse(0.1))
     for z in (-5.0, 0.0, 5.0):
         scene.add_light(cpm.lights.Spot((590, 3.0, z), (600, 1.2, z), cutoff=35.0, intensity="A"))
-    scene.camera = cpm.Camera.look_at((0, 1.2, 0), (600, 0.6, 0), fov=1.4)
-    scene.render_defaults = cpm.RenderSettings(size=(200, 80), photons=100_000, nearest=150)
+    scene.camera = cpm.Camera.look_at((0, 1.2, 0), (600, 0.5, 0), fov=100 * 10 / 3600)
+    scene.render_defaults = cpm.RenderSettings(size=(100, 50), photons=50_000, nearest=150)
     return scene
 
 
 def room(dispersion, n_squared=1.69, gradient=-0.10):
     """The curved room with a dispersion."""
     scene = cpm.load_scene(CURVED)
+    scene.render_defaults = cpm.RenderSettings(size=(60, 45), photons=50_000, nearest=150)
     return scene.copy(medium=cpm.media.LinearSquared(n_squared, (0, gradient, 0), dispersion=dispersion))
+
+
+def dim(scene):
+    """The same shapes and lights, all paints at 0.001: direct light is all there is."""
+    made = cpm.Scene(scene.medium, extent=scene.extent)
+    for shape in scene.shapes:
+        made.add_mesh(shape.vertices, shape.faces, material=cpm.materials.Diffuse(1e-3))
+    for light in scene.lights:
+        made.add_light(light)
+    made.camera, made.render_defaults = scene.camera, scene.render_defaults
+    return made

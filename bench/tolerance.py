@@ -9,7 +9,10 @@ probes that set the radius of direct light, and with it the picture by 0.002.
 
 Two media with a closed form. n² = 1.69 − 0.10 y, the design's: paths are parabolas in σ, on which every method of
 order 2 or more (and the extrapolated Euler step) is exact but for rounding, so tolerance buys nothing. And
-n = 1.30 − 0.041 y, the same index at floor and ceiling: catenaries, on which the methods have errors to show.
+n = 1.30 − 0.041 y, the same index at floor and ceiling: catenaries, on which the methods have errors to show. And one
+that has none: the design's with hot air over the floor, n lower by 0.1 there and by 1/e of it 15 cm higher, as cubic
+layers; "exact" is then nystrom at 1e-11. Which tolerance a picture needs: the loosest from which on, down to the
+tightest, the difference to exact is a tenth of the photon noise at most.
 
 Cost: the same n(y) as Layered("cubic") and as a cubic Grid, `auto` without `exact`, at the paper's setting (3 000 000
 photons, 150 nearest, 16 bins), in turn with the homogeneous room.
@@ -36,9 +39,12 @@ NOTHING = 1e-9   # where a picture equal to the exact one to the last bit is dra
 LONG = 10.0      # seconds; what takes longer is timed once: its ratio is far from any other
 GRID = (9, 33, 9)
 EULER = (1e-1, 1e-2, 1e-3, 1e-4)
-DOPRI5 = (1e-2, 1e-4, 1e-6, 1e-8)
+TOLERANCES = tuple(10.0**-k for k in range(1, 9))
+HEAT, DEPTH = 0.1, 0.15   # of n at the floor, metres
+SHARE = 0.1               # of the photon noise that an integrator's error may be
 FIRST_SEED = 1000   # of the converged picture: none that a point has
 EXACT = ("exact", None, {"method": "exact"})
+ALMOST = ("reference", 1e-11, {"method": "nystrom", "rtol": 1e-11})   # where nothing is exact
 
 
 def index(y):
@@ -49,6 +55,14 @@ def index(y):
 def linear():
     """n = 1.30 − 0.041 y, whose paths are catenaries."""
     return cpm.media.Linear(1.30, gradient=(0.0, -0.041, 0.0))
+
+
+def hot_floor():
+    """The curved room's n less the heat over the floor, as a cubic table of height."""
+    low, high = EXTENT.low[1] - MARGIN, EXTENT.high[1] + MARGIN
+    heights = np.concatenate([np.linspace(low, 0.0, 16)[:-1], np.linspace(0.0, 2.0, 257), np.linspace(2.0, high, 65)[1:]])
+    return cpm.media.Layered(heights, index(heights) - HEAT * np.exp(-np.maximum(heights, 0.0) / DEPTH), interpolation="cubic",
+                             kinks=(0.0,))
 
 
 def layered():
@@ -72,14 +86,18 @@ def room(medium=None, **integrator):
     return scene
 
 
-def cases():
-    """(name, rtol or None, arguments of the integrator) of each point, exact first."""
-    yield EXACT
-    yield "auto", None, {}
-    yield "auto without exact", None, {"exclude": ("exact",)}
+def cases(exact=True):
+    """(name, rtol or None, arguments of the integrator) of each point, the one that others are held against first."""
+    if exact:
+        yield EXACT
+        yield "auto", None, {}
+    else:
+        yield ALMOST
+    for rtol in TOLERANCES:
+        yield "nystrom", rtol, {"method": "nystrom", "rtol": rtol}
     for rtol in EULER:
         yield "euler", rtol, {"method": "euler", "rtol": rtol}
-    for rtol in DOPRI5:
+    for rtol in TOLERANCES:
         yield "dopri5", rtol, {"method": "dopri5", "rtol": rtol}
 
 
@@ -97,9 +115,10 @@ def converged(scene, options):
     return pictures.mean(axis=0), pictures.var(axis=0, ddof=1) / len(pictures)
 
 
-def sweep(name, medium, options):
+def sweep(name, medium, options, has_exact=True):
     """Every case in one medium in turn, `rounds` times with a seed each: fastest seconds, median error to exact."""
-    scenes = [room(medium, **arguments) for _, _, arguments in cases()]
+    chosen = list(cases(has_exact))
+    scenes = [room(medium, **arguments) for _, _, arguments in chosen]
     straight = cpm.load_scene(HOMOGENEOUS)
     reference, variance = converged(scenes[0], options)
     masks = regions(reference)
@@ -121,7 +140,7 @@ def sweep(name, medium, options):
                "over_homogeneous": float(took / least[-1]), "over_exact": float(took / least[0]), **counted(stat),
                **{kind: dict(zip(NAMES, np.median(values, axis=0).tolist(), strict=True))
                   for kind, values in error.items()}}
-              for (method, rtol, _), error, stat, took in zip(cases(), errors, stats, least[:-1], strict=True)]
+              for (method, rtol, _), error, stat, took in zip(chosen, errors, stats, least[:-1], strict=True)]
     print_points(name, points, float(least[-1]))
     return {"points": points, "homogeneous_seconds": float(least[-1])}
 
@@ -200,22 +219,45 @@ def cost(options):
     return result, figures
 
 
+def needed(result):
+    """Of each method with tolerances, the loosest rtol from which on the picture's error is SHARE of the noise at most."""
+    noise, found = result["points"][0]["to_converged"]["picture"], {}
+    for method in ("nystrom", "dopri5", "euler"):
+        enough = None
+        for point in reversed([point for point in result["points"] if point["method"] == method]):
+            if not point["to_exact"]["picture"] <= SHARE * noise:
+                break
+            enough = point["rtol"]
+        found[method] = enough
+    return found
+
+
 def draw(sweeps, costs):
-    """Error to exact over seconds for each medium, and the costs."""
-    figure, axes = new_figure(1, len(sweeps) + 1, (5.2 * (len(sweeps) + 1), 4.6))
-    for axis, (name, result) in zip(axes[0], sweeps.items(), strict=False):
+    """Error to exact over seconds, and over rtol, for each medium; and the costs."""
+    figure, axes = new_figure(2, len(sweeps) + 1, (4.6 * (len(sweeps) + 1), 8.4))
+    style = {"exact": "C0s", "auto": "C1x", "reference": "C0s", "nystrom": "C2+", "euler": "C3o", "dopri5": "C4d"}
+    for column, (name, result) in enumerate(sweeps.items()):
         points = result["points"]
-        for method, mark in zip(dict.fromkeys(point["method"] for point in points), "sx+od", strict=True):
-            chosen = [point for point in points if point["method"] == method]
-            axis.plot([point["seconds"] for point in chosen],
-                      [max(point["to_exact"]["picture"], NOTHING) for point in chosen], f"{mark}-", ms=5, label=method)
         noise = points[0]["to_converged"]["picture"]
-        axis.axhline(noise, color="0.5", ls=":", label="photon noise of one picture")
-        axis.axvline(result["homogeneous_seconds"], color="0.5", ls="--", label="homogeneous room")
-        axis.set(xscale="log", yscale="log", ylim=(NOTHING / 3, 1), xlabel="wall seconds",
-                 ylabel=f"relative RMSE to exact, same seed ({NOTHING:g}: none)", title=name)
-        axis.grid(which="both", lw=0.3)
-    axes[0, 0].legend(fontsize=7)
+        for row, key in enumerate(("seconds", "rtol")):
+            axis = axes[row, column]
+            for method in dict.fromkeys(point["method"] for point in points):
+                chosen = [point for point in points if point["method"] == method and point[key] is not None]
+                if row == 0 or len(chosen) > 1:
+                    axis.plot([point[key] for point in chosen],
+                              [max(point["to_exact"]["picture"], NOTHING) for point in chosen], f"{style[method]}-", ms=5,
+                              label=method)
+            axis.axhline(noise, color="0.5", ls=":", label="photon noise of one picture")
+            axis.axhline(SHARE * noise, color="0.75", ls=":", label="a tenth of it")
+            if row == 0:
+                axis.axvline(result["homogeneous_seconds"], color="0.5", ls="--", label="homogeneous room")
+            else:
+                axis.invert_xaxis()
+            axis.set(xscale="log", yscale="log", ylim=(NOTHING / 3, 1), xlabel=("wall seconds", "rtol")[row], title=name)
+            axis.grid(which=("both", "major")[row], lw=0.3)
+    for axis in axes[:, 0]:
+        axis.set_ylabel(f"relative RMSE to exact, same seed ({NOTHING:g}: none)")
+        axis.legend(fontsize=7)
     axis = axes[0, -1]
     names = list(costs)
     axis.barh(names, [costs[name]["over_homogeneous"] for name in names], color="tab:blue")
@@ -223,6 +265,7 @@ def draw(sweeps, costs):
     axis.invert_yaxis()
     axis.set(xlabel="whole render, seconds over homogeneous", title="3 M photons, 150 nearest, 16 bins")
     axis.legend(fontsize=7)
+    axes[1, -1].set_axis_off()
     return figure
 
 
@@ -248,11 +291,17 @@ def main():
     load = load_average()
     media = {"n² linear in height (parabolas)": None, "n linear in height (catenaries)": linear()}
     sweeps = {name: sweep(name, medium, options) for name, medium in media.items()}
+    sweeps["hot air over the floor (cubic layers)"] = sweep("hot floor", hot_floor(), options, has_exact=False)
     costs, figures = cost(options)
     for name, result in sweeps.items():
         euler = next(point for point in result["points"] if point["method"] == "euler" and point["rtol"] == 1e-2)
         figures.append(judge(f"{name}: euler at the paper's threshold 0.01, picture's RMSE to exact",
                              euler["to_exact"]["picture"], None, note=f"{euler['over_exact']:.2f} x exact's seconds"))
+    for name, result in sweeps.items():
+        result["needed"] = needed(result)
+        for method, rtol in result["needed"].items():
+            figures.append(judge(f"{name}: loosest rtol of {method} that a picture of this noise needs",
+                                 float("nan") if rtol is None else rtol, None))
     content = {"load_at_start": load, "settings": {"photons": options.photons, "nearest": options.nearest,
                                                    "wavelength": WAVELENGTH, "rounds": options.rounds},
                "sweeps": sweeps, "costs": costs, "layers": LAYERS, "grid": GRID}

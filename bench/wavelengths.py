@@ -6,10 +6,10 @@ refraction and of equal contribution, against 256. Error: of XYZ, root mean squa
 whole picture and over its rim (pixels that are neither dark nor full); and CIEDE2000, mean over the rim.
 
 Bundles: what `bundle_tolerance` saves, in CPU seconds of a whole render, paths followed and gathers, and what it costs.
-"eye": the picture from one photon map with eye rays bundled, over that with each wavelength its own. "photons": the
-same for photons bundled, with one eye ray for all bins and all photons within a disc of fixed radius, so that the
-estimates differ by where photons lie alone (and by the luck of later bounces). Both are root mean squares over the
-mean, all bins. "noise": one picture against another seed's, by √2, with each wavelength its own path.
+"eye": direct light from one photon map with eye rays bundled, against each wavelength its own; "photons": the same with
+photons bundled and eye rays apart. All photons within a disc of fixed radius count there, and paints are dim, so that
+pictures differ by where paths lie alone. "noise": two seeds' pictures, over √2. All are root mean squares over the
+mean, all bins.
 """
 import argparse
 import time
@@ -17,7 +17,7 @@ import warnings
 
 import numpy as np
 from _results import add_arguments, judge, load_average, new_figure, positive, table, write
-from _wavelength_scenes import EYE, limb, road, room, sunlight
+from _wavelength_scenes import EYE, dim, limb, road, room, sunlight
 
 import cpm
 from cpm import wavelengths
@@ -99,11 +99,11 @@ def compare_samplings(options):
     return content, figures
 
 
-SCENES = {
-    "limb, 64 bins": (limb, {"wavelengths": wavelengths.equal(LOW, HIGH, 64)}, None),
-    "hot road, 50″ a pixel": (road, {"size": (100, 40), "photons": 50_000}, 0.25),
-    "room in air": (lambda: room("air", 1.00056, -2e-5), {"size": (60, 45), "photons": 50_000}, 0.1),
-    "room in F2": (lambda: room("F2"), {"size": (60, 45), "photons": 50_000}, 0.1),
+SCENES = {   # how to make it, bins, and the disc (m) in which photons are counted for errors; None: nothing but the Sun
+    "limb, 4″ a pixel, 64 bins": (limb, wavelengths.equal(LOW, HIGH, 64), None),
+    "hot road, 10″ a pixel": (road, None, 0.25),
+    "room in air": (lambda: room("air", 1.00056, -2e-5), None, 0.1),
+    "room in F2": (lambda: room("F2"), None, 0.1),
 }
 
 
@@ -111,48 +111,52 @@ def relative(image, other):
     return float(np.sqrt(np.mean((image.data.astype(float) - other.data) ** 2)) / other.data.mean(dtype=float))
 
 
+def noise_of(scene, image, tolerance):
+    """Of one picture, by another seed's."""
+    return relative(image, cpm.render(scene, seed=99, bundle_tolerance=tolerance)) / np.sqrt(2)
+
+
+def costs_of_sharing(scene, disc, tolerances):
+    """Errors of bundled eye rays, and of bundled photons, in direct light: lists."""
+    scene, fixed = dim(scene), {"nearest": 1_000_000, "max_radius": disc}
+    apart = cpm.trace_photons(scene, bundle_tolerance=0)
+    exact = cpm.render(scene, photon_map=apart, bundle_tolerance=0, **fixed)
+    eye = [relative(cpm.render(scene, photon_map=apart, bundle_tolerance=t, **fixed), exact) for t in tolerances]
+    photons = [relative(cpm.render(scene, photon_map=cpm.trace_photons(scene, bundle_tolerance=t), bundle_tolerance=0,
+                                   **fixed), exact) for t in tolerances]
+    return eye, photons
+
+
 def compare_bundles(options):
     content, rows, figures = {}, [], []
-    for name, (make, settings, disc) in SCENES.items():
-        scene, points = make(), []
-        lit = disc is not None
-        traced = {k: v for k, v in settings.items() if k in ("photons", "wavelengths")}
-        seen = {k: v for k, v in settings.items() if k != "photons" and not (lit and k == "wavelengths")}
-        fixed = {"nearest": 1_000_000, "max_radius": disc, "bundle_tolerance": 100}   # one eye ray for all bins
-        if lit:
-            apart = cpm.trace_photons(scene, **traced, bundle_tolerance=0)
-            eye_apart = cpm.render(scene, photon_map=apart, bundle_tolerance=0, **seen)
-            discs_apart = cpm.render(scene, photon_map=apart, **seen, **fixed)
-            others = cpm.render(scene, **settings, seed=99, bundle_tolerance=0)
-            noise = relative(eye_apart, others) / np.sqrt(2)
+    for name, (make, bins, disc) in SCENES.items():
+        scene, points, whole = make(), [], None
         for tolerance in TOLERANCES:
-            image, seconds = timed_render(scene, options.rounds, **settings, bundle_tolerance=tolerance)
+            image, seconds = timed_render(scene, options.rounds, wavelengths=bins, bundle_tolerance=tolerance)
             stats = image.stats
             point = {"tolerance": tolerance, "seconds": seconds,
                      "paths": stats["photon_segments"] + stats["eye_segments"], "gathers": stats["gathers"]}
-            if not tolerance:
-                base, whole = point, image
-            point["over_apart"] = {k: point[k] / base[k] if base[k] else None for k in ("seconds", "paths", "gathers")}
-            if lit:
-                together = cpm.trace_photons(scene, **traced, bundle_tolerance=tolerance)
-                point["eye"] = relative(cpm.render(scene, photon_map=apart, bundle_tolerance=tolerance, **seen),
-                                        eye_apart)
-                point["photons"] = relative(cpm.render(scene, photon_map=together, **seen, **fixed), discs_apart)
-                point["noise"] = noise
-            else:
+            whole = whole or image
+            point["over_apart"] = {k: point[k] / (points or [point])[0][k] if point[k] else None
+                                   for k in ("seconds", "paths", "gathers")}
+            if disc is None:
                 point["eye"] = relative(image, whole)
-                point["xyz"] = float(np.sqrt(np.mean((image.to_xyz() - whole.to_xyz()) ** 2) /
-                                             np.mean(whole.to_xyz() ** 2)))
+            else:
+                point["noise"] = noise_of(scene, image, tolerance)
             points.append(point)
+        if disc is not None:
+            for point, eye, photons in zip(points, *costs_of_sharing(scene, disc, TOLERANCES), strict=True):
+                point["eye"], point["photons"] = eye, photons
+        for point in points:
             over = point["over_apart"]
-            rows.append([name, tolerance, over["seconds"], over["paths"], over["gathers"], point["eye"],
+            rows.append([name, point["tolerance"], over["seconds"], over["paths"], over["gathers"], point["eye"],
                          point.get("photons"), point.get("noise")])
-            if tolerance == 0.1:
-                figures.append(judge(f"bundles, {name}, tolerance 0.1: CPU seconds over each wavelength apart",
-                                     over["seconds"], None))
-                if lit:
-                    figures.append(judge(f"bundles, {name}, tolerance 0.1: error of eye and photons over the noise",
-                                         np.hypot(point["eye"], point["photons"]) / noise, 1.0))
+        usual = next(point for point in points if point["tolerance"] == 0.1)
+        figures.append(judge(f"bundles, {name}, tolerance 0.1: CPU seconds over each wavelength apart",
+                             usual["over_apart"]["seconds"], None))
+        if disc is not None:
+            figures.append(judge(f"bundles, {name}, tolerance 0.1: error of eye and photons over the picture's noise",
+                                 np.hypot(usual["eye"], usual["photons"]) / usual["noise"], 1.0))
         content[name] = points
         print(name, flush=True)
     table("bundles: cost over that of each wavelength apart, and error", ["scene", "tolerance", "CPU s", "paths",
@@ -175,19 +179,23 @@ def draw(samplings, bundles):
                                       fontsize=7)
         axis.set(xscale="log", yscale="log", xlabel="CPU seconds", ylabel=label,
                  title="the last limb of the Sun, 4 to 64 bins")
+        axis.set_xticks([0.2, 0.5, 1, 2], ["0.2", "0.5", "1", "2"])
+        axis.set_xticks([], minor=True)
         axis.grid(which="both", lw=0.3)
         axis.legend(fontsize=8)
     axis = axes[0, 2]
     for (name, points), colour in zip(bundles.items(), ("tab:blue", "tab:orange", "tab:green", "tab:red"), strict=True):
-        off = [np.hypot(p["eye"], p.get("photons", 0.0)) for p in points]
+        if "photons" not in points[0]:
+            continue   # the Sun alone, as bright everywhere: no error
+        off = [np.hypot(p["eye"], p["photons"]) for p in points]
         axis.plot([p["over_apart"]["seconds"] for p in points[1:]], off[1:], "o-", ms=4, color=colour, label=name)
+        axis.plot([p["over_apart"]["seconds"] for p in points], [p["noise"] for p in points], "+:", color=colour,
+                  lw=0.8)
         for p, y in zip(points[1:], off[1:], strict=True):
             axis.annotate(f"{p['tolerance']:g}", (p["over_apart"]["seconds"], y), textcoords="offset points",
                           xytext=(4, 4), fontsize=7)
-        if "noise" in points[0]:
-            axis.axhline(points[0]["noise"], color=colour, ls=":", lw=0.8)
     axis.set(xscale="log", yscale="log", xlabel="CPU seconds over each wavelength apart",
-             ylabel="error of eye rays and photons (dots: noise)", title="bundle_tolerance 0.03 to 1")
+             ylabel="error of eye rays and photons (+: noise)", title="bundle_tolerance 0.03 to 1")
     axis.grid(which="both", lw=0.3)
     axis.legend(fontsize=7)
     return figure

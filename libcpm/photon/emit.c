@@ -94,7 +94,7 @@ const float *cpm_emit_spectrum(const cpm_pass *pass, const cpm_emitter *e, const
     const double middle = squared_index(pass, &flight->region, flight->position);
     for (size_t b = 0; b < pass->bins; b++) {
         const double n = cpm_pass_index(pass, medium, (int32_t)b, flight->position);
-        own[b] = n > 0.0 ? (float)((double)e->weight[b] * (n * n / middle)) : 0.0f;
+        own[b] = emit_own(e->weight[b], n > 0.0 ? n * n : 0.0, middle);
     }
     return own;
 }
@@ -107,6 +107,10 @@ cpm_leeway cpm_emitter_leeway(const cpm_pass *pass, const cpm_emitter *e, float 
     if (e->light->kind == CPM_LIGHT_AREA) {
         leeway.size = pass->bundle_tolerance * sqrt(share / CPM_PI * pass->scene->shapes[e->light->shape].area);
         leeway.angle = pass->bundle_tolerance * sqrt(share);
+    } else if (cpm_light_is_far(e->light)) { /* over the shadow of the box that they cross: a quarter of its surface */
+        const double x = e->box.high[0] - e->box.low[0], y = e->box.high[1] - e->box.low[1];
+        const double z = e->box.high[2] - e->box.low[2];
+        leeway.size = pass->bundle_tolerance * sqrt(share / CPM_PI * 0.5 * (x * y + y * z + z * x));
     } else {
         const double solid = CPM_TWO_PI * (1.0 - cpm_cos(e->light->cutoff));
         leeway.angle = pass->bundle_tolerance * sqrt(share * solid / CPM_PI);

@@ -5,10 +5,9 @@
  * time is sampled there, position on the shadow that the box throws and direction, with power n^2 L dA dOmega; L is
  * what the path traced back to the extent sees (paths are reversible). Where light bends, a path may cross the box,
  * leave it and come back. Each time is sampled as a start of its own; so none is followed beyond the box before it has
- * met something
- * (`confined`), and a start counts if nothing was met on the way back.
+ * met something (`confined`), and a start counts if nothing was met on the way back.
  *
- * A sun is a thousandth of a degree squared. Where light bends little on its way (air) directions are drawn from a cone
+ * A sun fills 7e-5 sr. Where light bends little on its way (air) directions are drawn from a cone
  * about those in which the sun is seen from the box's corners, faces and middle; where it bends much, paths start at
  * the extent, in the sun's own directions, and nothing is traced back. */
 #include <math.h>

@@ -65,7 +65,7 @@ static void find_extent(cpm_pass *pass) {
 
 static int32_t method_of(const cpm_scene_options *o, const cpm_medium *medium) {
     return cpm_medium_needs_exact(medium) ? CPM_METHOD_EXACT
-                                          : cpm_method_in(medium, o->method, o->exclude, o->step, o->rtol);
+                                          : cpm_method_in(medium, o->method, o->exclude, o->step);
 }
 
 static cpm_way way_of(int32_t method, const cpm_medium *medium) {
@@ -183,7 +183,7 @@ cpm_status cpm_pass_take_bundles(cpm_pass *pass, double tolerance, int32_t neare
     if (!(tolerance >= 0.0 && tolerance <= MOST_TOLERANCE))
         return cpm_fail(pass->context, CPM_ERROR_INVALID_ARGUMENT, "bundle_tolerance is %g; allowed: 0 to %g",
                         tolerance, MOST_TOLERANCE);
-    pass->bundle_tolerance = tolerance;
+    pass->bundle_tolerance = pass->context->opencl ? 0.0 : tolerance; /* on a device each wavelength goes its own way */
     pass->nearest = nearest;
     return CPM_OK;
 }

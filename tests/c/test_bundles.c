@@ -97,7 +97,7 @@ static void every_bin_is_within_its_leeway(void **state) {
     uint64_t followed_before = UINT64_MAX;
     for (int k = 0; k < 6; k++) {
         for (int i = 0; i < FLIGHTS; i++) leeways[i] = (cpm_leeway){sizes[k], angles[k]};
-        assert_true(cpm_follow_bundles(&b, &f.pass, CPM_BUNDLES_OF_PHOTONS, flights, leeways, FLIGHTS));
+        assert_true(cpm_follow_bundles(&b, &f.pass, CPM_BUNDLES_OF_PHOTONS, flights, leeways, FLIGHTS, NULL));
         size_t at = 0;
         double evaluations = 0.0;
         for (size_t i = 0; i < FLIGHTS; i++)
@@ -146,10 +146,10 @@ static void what_is_beside_a_flight_does_not_matter(void **state) {
         if (i % 3 == 1) flights[i].bin = cpm_bins_run(5, 20, BINS);
         if (i % 3 == 2) flights[i].bin = i % BINS;
     }
-    assert_true(cpm_follow_bundles(&all, &f.pass, CPM_BUNDLES_OF_EYE, flights, leeways, FLIGHTS));
+    assert_true(cpm_follow_bundles(&all, &f.pass, CPM_BUNDLES_OF_EYE, flights, leeways, FLIGHTS, NULL));
     size_t at = 0, runs = 0;
     for (size_t i = 0; i < FLIGHTS; i++) {
-        assert_true(cpm_follow_bundles(&one, &f.pass, CPM_BUNDLES_OF_EYE, &flights[i], &leeways[i], 1));
+        assert_true(cpm_follow_bundles(&one, &f.pass, CPM_BUNDLES_OF_EYE, &flights[i], &leeways[i], 1, NULL));
         int32_t next = cpm_bins_first(flights[i].bin);
         for (size_t j = 0; j < one.count; j++, at++) {
             assert_int_equal(all.parted[at].from, i);

@@ -143,7 +143,7 @@ static void share_evaluations(cpm_bundles *b) {
 }
 
 int cpm_follow_bundles(cpm_bundles *b, const cpm_pass *pass, cpm_bundle_use use, const cpm_flight *flights,
-                       const cpm_leeway *leeways, size_t count) {
+                       const cpm_leeway *leeways, size_t count, const cpm_follow_options *options) {
     const int32_t all = (int32_t)pass->bins;
     b->count = b->path_count = b->node_count = 0;
     if (!reserve_flights(b, count)) return 0;
@@ -159,7 +159,8 @@ int cpm_follow_bundles(cpm_bundles *b, const cpm_pass *pass, cpm_bundle_use use,
     }
     for (size_t node = 0, path = 0; node < b->node_count;) {
         const size_t end = b->node_count;
-        if (b->path_count > path) cpm_follow(pass, &b->flights[path], b->path_count - path, b->options, &b->arrivals[path]);
+        if (b->path_count > path)
+            cpm_follow(pass, &b->flights[path], b->path_count - path, options, &b->arrivals[path]);
         path = b->path_count;
         if (!judge(b, pass, use, flights, leeways, node, end)) return 0;
         node = end;

@@ -22,7 +22,6 @@ typedef struct cpm_parted { /* what came of one flight, or of a part of its bins
 typedef struct cpm_bundle_node cpm_bundle_node;
 
 typedef struct cpm_bundles { /* one thread's scratch and results; zeroed at first */
-    const cpm_follow_options *options; /* NULL: as for cpm_follow */
     cpm_parted *parted;      /* in order of flights, then of bins */
     size_t count;
     uint64_t followed;   /* paths, by the last call */
@@ -40,9 +39,9 @@ typedef struct cpm_bundles { /* one thread's scratch and results; zeroed at firs
  * surface, and are not asked about any more once they have left. */
 typedef enum cpm_bundle_use { CPM_BUNDLES_OF_PHOTONS = 0, CPM_BUNDLES_OF_EYE = 1 } cpm_bundle_use;
 
-/* cpm_follow, and parts what must be. 0: out of memory. */
+/* cpm_follow, and parts what must be; `options` may be NULL. 0: out of memory. */
 int cpm_follow_bundles(cpm_bundles *bundles, const cpm_pass *pass, cpm_bundle_use use, const cpm_flight *flights,
-                       const cpm_leeway *leeways, size_t count);
+                       const cpm_leeway *leeways, size_t count, const cpm_follow_options *options);
 void cpm_bundles_free(cpm_bundles *bundles);
 
 /* The leeway once the flight has arrived. */
