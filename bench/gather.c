@@ -37,7 +37,7 @@ static float *read_rows(const char *name, size_t *count) {
     return rows;
 }
 
-static cpm_tree *build(cpm_context *context, const float *rows, size_t count, size_t bins, double *seconds) {
+static cpm_map_tree *build(cpm_context *context, const float *rows, size_t count, size_t bins, double *seconds) {
     cpm_photon *photons = malloc(count * sizeof *photons);
     uint16_t *spectra = malloc(count * bins * sizeof *spectra);
     if (!photons || !spectra) give_up("out of memory");
@@ -53,7 +53,7 @@ static cpm_tree *build(cpm_context *context, const float *rows, size_t count, si
         for (size_t b = 0; b < bins; b++)
             spectra[i * bins + b] = cpm_half_from_float(0.25f + (float)(random.v[b & 3] >> 8) * 0x1p-24f);
     }
-    cpm_tree *tree = NULL;
+    cpm_map_tree *tree = NULL;
     const double start = cpm_seconds();
     const cpm_status status =
         cpm_tree_build(context, photons, spectra, count, count * bins, free, bins, 1.0 / (double)count, &tree);
@@ -63,12 +63,12 @@ static cpm_tree *build(cpm_context *context, const float *rows, size_t count, si
 }
 
 /* Irradiance (or r_k alone, `irradiance` NULL) of every query; returns seconds. */
-static double ask(const cpm_tree *tree, const float *rows, size_t count, int nearest, int threads, size_t bins,
+static double ask(const cpm_map_tree *tree, const float *rows, size_t count, int nearest, int threads, size_t bins,
                   double *radii, double *irradiance) {
     const double start = cpm_seconds();
 #pragma omp parallel num_threads(threads)
     {
-        cpm_query *query = cpm_query_create(tree);
+        cpm_map_query *query = cpm_query_create(tree);
         if (!query) give_up("out of memory");
 #pragma omp for schedule(dynamic, CHUNK)
         for (size_t i = 0; i < count; i++) {
@@ -108,7 +108,7 @@ int main(int argc, char **argv) {
     if (!radii || !irradiance) give_up("out of memory");
 
     double best_build = HUGE_VAL, best_irradiance = HUGE_VAL, best_radius = HUGE_VAL;
-    cpm_tree *tree = NULL;
+    cpm_map_tree *tree = NULL;
     for (int i = 0; i < repeats; i++) {
         double seconds;
         cpm_tree_free(tree);

@@ -21,8 +21,8 @@ using Floats = py::array_t<float, py::array::c_style | py::array::forcecast>;
 std::shared_ptr<Image> render(const std::shared_ptr<Scene> &scene, const std::shared_ptr<Photons> &photon_map,
                               int32_t width, int32_t height, uint64_t photons, uint64_t seed,
                               const Doubles &wavelengths, int32_t nearest, int32_t samples, double max_radius,
-                              bool projection, bool edge_correction, double bundle_tolerance, int32_t batch, int32_t threads,
-                              py::object progress) {
+                              bool projection, bool edge_correction, double bundle_tolerance, int32_t batch,
+                              int32_t threads, int32_t device, py::object progress) {
     cpm_render_options options{};
     options.struct_size = sizeof options;
     options.width = width;
@@ -40,7 +40,7 @@ std::shared_ptr<Image> render(const std::shared_ptr<Scene> &scene, const std::sh
     options.bundle_tolerance = bundle_tolerance;
 
     auto image = std::make_shared<Image>();
-    const Context context(threads);
+    const Context context(threads, device);
     run_long(context, std::move(progress), [&] {
         if (photon_map)
             return cpm_image_gather(context.get(), scene->handle.get(), photon_map->handle.get(), &options,
@@ -97,6 +97,6 @@ void bind_image(py::module_ &module) {
         .def("write_exr", &write_exr, arg("path"), arg("rgb").none(true));
     module.def("render", &render, py::kw_only(), arg("scene"), arg("photon_map").none(true), arg("width"),
                arg("height"), arg("photons"), arg("seed"), arg("wavelengths"), arg("nearest"), arg("samples"),
-               arg("max_radius"), arg("projection"), arg("edge_correction"),
-               arg("bundle_tolerance"), arg("batch"), arg("threads"), arg("progress").none(true));
+               arg("max_radius"), arg("projection"), arg("edge_correction"), arg("bundle_tolerance"), arg("batch"),
+               arg("threads"), arg("device"), arg("progress").none(true));
 }

@@ -42,7 +42,8 @@ cpm_map map_of(const std::string &name) {
 
 std::shared_ptr<Photons> trace_photons(const std::shared_ptr<Scene> &scene, uint64_t count, uint64_t seed,
                                        const Doubles &wavelengths, bool projection, double bundle_tolerance,
-                                       int32_t batch, int32_t threads, py::object progress) {
+                                       int32_t batch, int32_t threads, int32_t device,
+                                       py::object progress) {
     cpm_photons_options options{};
     options.struct_size = sizeof options;
     options.photons = count;
@@ -55,10 +56,9 @@ std::shared_ptr<Photons> trace_photons(const std::shared_ptr<Scene> &scene, uint
 
     auto photons = std::make_shared<Photons>();
     photons->scene = scene;
-    const Context context(threads);
-    run_long(context, std::move(progress), [&] {
-        return cpm_photons_trace(context.get(), scene->handle.get(), &options, photons->handle.out());
-    });
+    const Context context(threads, device);
+    run_long(context, std::move(progress),
+             [&] { return cpm_photons_trace(context.get(), scene->handle.get(), &options, photons->handle.out()); });
     return photons;
 }
 
@@ -75,9 +75,12 @@ py::array read_column(const Photons &photons, const std::string &map_name, const
         target = array.mutable_data();
         values = array;
     };
-    if (column == "position") floats(3, arrays.position);
-    else if (column == "direction") floats(3, arrays.direction);
-    else if (column == "power") floats(bins, arrays.power);
+    if (column == "position")
+        floats(3, arrays.position);
+    else if (column == "direction")
+        floats(3, arrays.direction);
+    else if (column == "power")
+        floats(bins, arrays.power);
     else if (column == "wavelength") {
         py::array_t<double> array({count, bins});
         arrays.wavelength = array.mutable_data();
@@ -86,7 +89,8 @@ py::array read_column(const Photons &photons, const std::string &map_name, const
         py::array_t<int32_t> array(count);
         arrays.bounce = array.mutable_data();
         values = array;
-    } else throw py::value_error("a photon has no '" + column + "'");
+    } else
+        throw py::value_error("a photon has no '" + column + "'");
     const cpm_status status = cpm_photons_read(photons.handle.get(), map, &arrays);
     if (status != CPM_OK) raise_status(status, nullptr);
     return values;
@@ -94,13 +98,13 @@ py::array read_column(const Photons &photons, const std::string &map_name, const
 
 py::array_t<double> irradiance(const Photons &photons, const std::string &map_name, const Doubles &points,
                                const Doubles &normals, int32_t nearest, double max_radius, int32_t threads,
-                               py::object progress) {
+                               int32_t device, py::object progress) {
     const auto count = points.shape(0);
     const auto bins = static_cast<py::ssize_t>(cpm_photons_bins(photons.handle.get()));
     const cpm_map map = map_of(map_name);
     py::array_t<double> values({count, bins});
     double *target = values.mutable_data();
-    const Context context(threads);
+    const Context context(threads, device);
     run_long(context, std::move(progress), [&] {
         return cpm_photons_irradiance(context.get(), photons.handle.get(), map, points.data(), normals.data(),
                                       static_cast<size_t>(count), nearest, max_radius, target);
@@ -146,9 +150,10 @@ void bind_photons(py::module_ &module) {
             arg("map"))
         .def("read", &read_column, arg("map"), arg("column"))
         .def("irradiance", &irradiance, py::kw_only(), arg("map"), arg("points"), arg("normals"), arg("nearest"),
-             arg("max_radius"), arg("threads"), arg("progress").none(true))
+             arg("max_radius"), arg("threads"), arg("device"), arg("progress").none(true))
         .def("energy", &energy)
         .def("stats", &stats);
     module.def("trace_photons", &trace_photons, py::kw_only(), arg("scene"), arg("photons"), arg("seed"),
-               arg("wavelengths"), arg("projection"), arg("bundle_tolerance"), arg("batch"), arg("threads"), arg("progress").none(true));
+               arg("wavelengths"), arg("projection"), arg("bundle_tolerance"), arg("batch"), arg("threads"),
+               arg("device"), arg("progress").none(true));
 }

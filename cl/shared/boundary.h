@@ -3,17 +3,10 @@
 #ifndef CPM_SHARED_BOUNDARY_H
 #define CPM_SHARED_BOUNDARY_H
 #include "scatter.h"
-#include "shade.h"
+#include "shading.h"
 #include "world_index.h"
 
 #define CPM_EQUAL_INDEX 1e-9 /* a jump of n below this is none */
-
-/* Is the hit so near an edge of its triangle that the next straight ray has to be asked exactly? */
-CPM_INLINE int cpm_is_near_edge(const cpm_tree *tree, const cpm_hit *hit) {
-    if (hit->primitive >= tree->frame.triangle_count) return 1;
-    double least = cpm_min(hit->u, cpm_min(hit->v, 1.0 - hit->u - hit->v));
-    return !(least > tree->triangles[hit->primitive].near_edge);
-}
 
 /* Does a bundle part here, because the medium behind disperses? */
 CPM_INLINE int world_splits(const cpm_world *w, const cpm_flight *flight, const cpm_arrival *arrival) {
@@ -21,16 +14,6 @@ CPM_INLINE int world_splits(const cpm_world *w, const cpm_flight *flight, const 
 }
 
 #if CPM_WIDTH == 1 && !CPM_SINGLE
-/* Interpolated shading normal where the mesh has them, else the geometric one; on the geometric normal's side. */
-CPM_INLINE cpm_vec world_shading_normal(const cpm_world *w, const cpm_hit *hit, cpm_vec geometric) {
-    if (hit->primitive >= w->tree.frame.triangle_count || !world_surface(w, hit->primitive)->has_normals)
-        return geometric;
-    CPM_GLOBAL const float *n = &w->normals[9 * (size_t)hit->primitive];
-    cpm_vec corner[3];
-    for (int k = 0; k < 3; k++) corner[k] = cpm_v((double)n[3 * k], (double)n[3 * k + 1], (double)n[3 * k + 2]);
-    return shade_normal(corner[0], corner[1], corner[2], hit->u, hit->v, geometric);
-}
-
 /* A flight thrown back into the medium where another has arrived. */
 CPM_INLINE cpm_flight world_depart(const cpm_world *w, const cpm_flight *flight, const cpm_arrival *arrival,
                                    cpm_vec direction) {

@@ -90,6 +90,11 @@ CPM_INLINE void emit_area_point(const cpm_emitter_data *e, CPM_GLOBAL const cpm_
     *normal = scale3(root(load_doubles(of[12], 0)), load3_doubles(of + 9, 0));
 }
 
+/* A surface emits n^2 L: what a bin's power is to be multiplied by where its n^2 is `own`, that of the path `middle`. */
+CPM_INLINE float emit_own(float power, double own, double middle) {
+    return own > 0.0 ? (float)((double)power * (own / middle)) : 0.0f;
+}
+
 /* An area light's path: where it starts, whither, and on which primitive. */
 CPM_INLINE void emit_area(const cpm_emitter_data *e, CPM_GLOBAL const cpm_triangle *triangles,
                           CPM_GLOBAL const double *area, word index, real3 *point, real3 *normal, real3 *direction,

@@ -143,8 +143,14 @@ CPM_INLINE cpm_curve cpm_parabola_curve(const cpm_parabola_lot *l, int i) {
 }
 
 #ifndef CPM_HOST_LANES /* the host's loop asks all curves of a larger lot at once */
-/* The first hit of a parabola for theta in (0, 1]; `from`: theta before which it is outside of the geometry's box. */
-CPM_INLINE void world_first_parabola(const cpm_world *w, const cpm_curve *c, double from, cpm_i32 left, cpm_hit *hit) {
+typedef struct cpm_untested {
+    cpm_i32 curve, primitive;
+} cpm_untested;
+
+/* The first hit of a parabola for theta in (0, 1], but that of a few primitives, added to `untested`; `from`: theta
+ * before which it is outside of the geometry's box. */
+CPM_INLINE void world_walk_parabola(const cpm_world *w, cpm_i32 number, const cpm_curve *c, double from, cpm_i32 left,
+                                    cpm_hit *hit, cpm_untested *untested, int *waiting) {
     const cpm_tree *tree = &w->tree;
     const cpm_vec strays = cpm_curve_strays(c, 1.0 - from);
     cpm_query q;
@@ -154,31 +160,57 @@ CPM_INLINE void world_first_parabola(const cpm_world *w, const cpm_curve *c, dou
     q.chord.a = from > 0.0 ? from - CPM_OVERLAP : 0.0, q.chord.b = 1.0;
     q.chord.start = from > 0.0 ? cpm_curve_at(c, from) : c->c[0], q.chord.end = cpm_curve_at(c, 1.0);
     q.chord.off = cpm_grown(tree, strays);
-    if (cpm_vdot(strays, strays) > tree->frame.sagitta * tree->frame.sagitta || !cpm_is_near_box(tree, q.chord.start) ||
-        !cpm_is_near_box(tree, q.chord.end)) {
+    if (cpm_vdot(strays, strays) > tree->frame.sagitta * tree->frame.sagitta ||
+        !cpm_is_near_box(tree, q.chord.start) || !cpm_is_near_box(tree, q.chord.end)) {
         cpm_first_hit(tree, c, 1.0, left, 0.0, (const cpm_filter *)0, hit);
         return;
     }
-    cpm_walk(&q, 0);
+    cpm_walk(&q, 1);
     *hit = q.best;
-    if (hit->primitive >= 0) hit->position = cpm_curve_at(c, hit->t);
+    for (int i = 0; i < q.waiting; i++, ++*waiting)
+        untested[*waiting].curve = number, untested[*waiting].primitive = q.untested[i];
+}
+
+/* What was left untested, then every hit's place. */
+CPM_INLINE void world_test_parabolas(const cpm_world *w, const cpm_curve *curves, const double *from,
+                                     const cpm_i32 *left, int count, const cpm_untested *untested, int waiting,
+                                     cpm_hit *hits) {
+    for (int k = 0; k < waiting; k++) {
+        const cpm_i32 i = untested[k].curve, primitive = untested[k].primitive;
+        const double a = from[i] > 0.0 ? from[i] - CPM_OVERLAP : 0.0;
+        cpm_hit *hit = &hits[i];
+        double u = 0.0, v = 0.0, t = cpm_first_root(&w->tree, &curves[i], primitive, left[i], a, 1.0, &u, &v);
+        const int nearer = (hit->primitive < 0) | (t < hit->t) | ((t == hit->t) & (primitive < hit->primitive));
+        if ((t > -1.0) & nearer) hit->primitive = primitive, hit->t = t, hit->u = u, hit->v = v;
+    }
+    for (int i = 0; i < count; i++)
+        if (hits[i].primitive >= 0) hits[i].position = cpm_curve_at(&curves[i], hits[i].t);
 }
 
 CPM_INLINE void world_follow_lot(const cpm_world *w, cpm_i32 medium, const cpm_medium_data *m,
                                  CPM_GLOBAL const double *table, CPM_GLOBAL const cpm_flight *flights,
                                  CPM_GLOBAL cpm_arrival *arrivals, cpm_parabola_lot *l) {
+    cpm_curve curves[CPM_WIDTH];
+    cpm_hit hits[CPM_WIDTH];
+    cpm_i32 left[CPM_WIDTH];
+    cpm_untested untested[CPM_WIDTH * CPM_UNTESTED];
+    int waiting = 0;
     if (!l->count) return;
     world_start_parabolas(w, l);
     for (int i = 0; i < l->count; i++) {
+        left[i] = flights[l->which[i]].left;
+        hits[i].primitive = -1;
+        curves[i] = cpm_parabola_curve(l, i);
+        if (l->h[i] > 0.0)
+            world_walk_parabola(w, i, &curves[i], l->from[i], left[i], &hits[i], untested, &waiting);
+    }
+    world_test_parabolas(w, curves, l->from, left, l->count, untested, waiting, hits);
+    for (int i = 0; i < l->count; i++) {
         cpm_flight flight = flights[l->which[i]], on = flight;
         cpm_arrival arrival;
-        int stepped = 0, told = 0;
-        if (l->h[i] > 0.0) {
-            const cpm_curve c = cpm_parabola_curve(l, i);
-            cpm_hit hit;
-            world_first_parabola(w, &c, l->from[i], flight.left, &hit);
-            told = world_end_of_parabola(w, medium, &flight, &c, l->h[i], &hit, &arrival, &on, &stepped);
-        }
+        int stepped = 0;
+        const int told = l->h[i] > 0.0 && world_end_of_parabola(w, medium, &flight, &curves[i], l->h[i], &hits[i],
+                                                                &arrival, &on, &stepped);
         if (!told) {
             world_follow_exact(w, medium, m, table, &on, &arrival);
             arrival.steps += stepped ? 1.0 : 0.0;

@@ -54,6 +54,13 @@ CPM_INLINE cpm_vec world_normal(const cpm_world *w, cpm_i32 primitive, cpm_vec p
     return cpm_scaled(sqrt(facet.factor), facet.normal);
 }
 
+/* Is the hit so near an edge of its triangle that the next straight ray has to be asked exactly? */
+CPM_INLINE int cpm_is_near_edge(const cpm_tree *tree, const cpm_hit *hit) {
+    if (hit->primitive >= tree->frame.triangle_count) return 1;
+    double least = cpm_min(hit->u, cpm_min(hit->v, 1.0 - hit->u - hit->v));
+    return !(least > tree->triangles[hit->primitive].near_edge);
+}
+
 /* Only bounds a medium, or is a dielectric. */
 CPM_INLINE int world_is_boundary(const cpm_world *w, cpm_i32 primitive) {
     return world_surface(w, primitive)->kind >= CPM_SURFACE_DIELECTRIC;

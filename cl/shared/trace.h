@@ -49,14 +49,26 @@ CPM_INLINE void cpm_sample_piece(cpm_samples *s, const cpm_piece *piece, double 
     }
 }
 
-/* Where the ray ends if it ends in its piece: theta, else CPM_NO_ROOT. A little beyond it counts, where the curve goes on:
- * not where grad n jumps (at_kink). `aimed`: steps end near the plane. */
-CPM_INLINE double cpm_landing(const cpm_piece *piece, const cpm_ray_goal *plane, double length, int aimed, int at_kink) {
+/* Where the ray ends if it ends in its piece: theta, else CPM_NO_ROOT. `aimed`: steps end near the plane. */
+CPM_INLINE double cpm_landing(const cpm_piece *piece, const cpm_ray_goal *plane, double length, int aimed) {
     if (length < 0.0)
-        return cpm_piece_plane(piece, plane->point, plane->normal,
-                               aimed && !at_kink ? 1.0 + CPM_LANDING : 1.0 + CPM_TOUCHING);
-    double margin = at_kink ? 0.0 : CPM_LANDING * (piece->length1 - piece->length0);
+        return cpm_piece_plane(piece, plane->point, plane->normal, aimed ? 1.0 + CPM_LANDING : 1.0 + CPM_TOUCHING);
+    double margin = CPM_LANDING * (piece->length1 - piece->length0);
     return piece->length1 + margin >= length ? cpm_piece_theta(piece, length) : CPM_NO_ROOT;
+}
+
+/* Does grad n jump between the current point of lane i and a little beyond it, `sigma` ahead? A curve ends there. */
+CPM_APART int cpm_kink_before(const cpm_step_control *c, const cpm_medium_data *m, CPM_GLOBAL const double *table,
+                              const cpm_lane_rays *rays, int i, double sigma) {
+    const int part = i / CPM_WIDTH;
+    double ahead[CPM_LANES];
+    mask near = splat_mask(0);
+    cpm_point a;
+    if (rays->at_kink[i]) return 1;
+    a.r = load3_doubles(rays->r, part), a.p = load3_doubles(rays->p, part), a.g = load3_doubles(rays->g, part);
+    a.n = load_doubles(rays->n, part), a.scale = load_doubles(rays->scale, part);
+    store_doubles(cpm_next_kink(m, table, c->rtol, &a, &near), ahead, part);
+    return ahead[i] <= sigma;
 }
 
 /* Sigma to the plane along the parabola of the current point; infinite: it is not met. */
@@ -220,6 +232,7 @@ CPM_INLINE void cpm_trace_range(const cpm_step_control *c, const cpm_medium_data
     cpm_samples samples[CPM_LANES];
     /* Methods whose steps are long: they aim at planes, and know how good the curve between their ends is. */
     const int aware = c->method == CPM_STEP_NYSTROM || c->method == CPM_STEP_ADAMS;
+    const int kinks = cpm_has_kinks(m, c->rtol) && !(c->step > 0.0);
     int idle = CPM_LANES;
     CPM_CLEAR(rays);
     for (int i = 0; i < CPM_LANES; i++) owner[i] = -1, rays.status[i] = CPM_ENDED_ARRIVED;
@@ -263,7 +276,10 @@ CPM_INLINE void cpm_trace_range(const cpm_step_control *c, const cpm_medium_data
                 continue;
             }
             cpm_lanes_piece(&rays, i, &piece);
-            if (rays.accepted[i]) theta = cpm_landing(&piece, plane, length[i], aimed, rays.at_kink[i] != 0);
+            if (rays.accepted[i]) theta = cpm_landing(&piece, plane, length[i], aimed);
+            if (kinks && theta != CPM_NO_ROOT && theta > 1.0 + CPM_TOUCHING &&
+                cpm_kink_before(c, m, table, &rays, i, (theta - 1.0) * piece.h))
+                theta = CPM_NO_ROOT;
             const int poor = aware && theta != CPM_NO_ROOT && cpm_dense_excess(c, &rays, i, theta) > 1.0;
             if (poor && theta < 1.0 - CPM_LANDING && theta > 1e-3 && rays.status[i] < 0) {
                 cpm_step_back(&rays, i, theta);

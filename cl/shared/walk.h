@@ -43,6 +43,7 @@ typedef struct cpm_query {
     const cpm_filter *filter;                /* what it is asked of; NULL: nothing */
     cpm_hit best;                            /* so far */
     cpm_i32 untested[CPM_UNTESTED], waiting; /* primitives that are still to be tested, and how many */
+    cpm_i32 any;                             /* one hit is as good as the first */
 } cpm_query;
 
 typedef struct cpm_cast {     /* the chord as the tree sees it */
@@ -202,6 +203,7 @@ CPM_INLINE void cpm_walk(cpm_query *q, int defer) {
                 else
                     found |= cpm_test_primitive(q, primitive);
             }
+        if (found && q->any) return;
         for (met &= ~node->leaves; met; met &= met - 1) {
             int i = cpm_lowest_bit(met), slot = height++; /* the nearest on top */
             for (; slot > base && stack_enter[slot - 1] < enter[i]; slot--)
@@ -243,7 +245,26 @@ CPM_INLINE void cpm_query_begin(cpm_query *q, const cpm_tree *tree, const cpm_cu
     q->best.primitive = -1;
     q->best.t = INFINITY, q->best.u = q->best.v = 0.0, q->best.padding = 0;
     q->best.position = curve->c[0];
-    q->waiting = 0;
+    q->waiting = 0, q->any = 0;
+}
+
+/* Does a straight line meet anything for theta in (0, 1]? */
+CPM_INLINE int cpm_meets_any(const cpm_tree *tree, const cpm_curve *line) {
+    cpm_query q;
+    double enter = 0.0, leave = 1.0;
+    if (!tree->nodes) return 0;
+    cpm_query_begin(&q, tree, line, -1, 0.0, (const cpm_filter *)0);
+    q.any = 1;
+    q.chord.start = line->c[0], q.chord.end = cpm_add(line->c[0], line->c[1]);
+    if (!cpm_is_near_box(tree, q.chord.start) || !cpm_is_near_box(tree, q.chord.end)) {
+        if (!cpm_clip_to_box(tree, line->c[0], line->c[1], 1e-12 * tree->frame.scale, &enter, &leave)) return 0;
+        q.chord.start = cpm_along(line->c[0], enter, line->c[1]);
+        q.chord.end = cpm_along(line->c[0], leave, line->c[1]);
+    }
+    q.chord.a = enter == 0.0 ? 0.0 : enter - CPM_OVERLAP, q.chord.b = leave;
+    q.chord.off = cpm_grown(tree, cpm_v(0.0, 0.0, 0.0));
+    cpm_walk(&q, 0);
+    return q.best.primitive >= 0;
 }
 
 CPM_INLINE void cpm_first_hit(const cpm_tree *tree, const cpm_curve *curve, double theta_end, cpm_i32 left,

@@ -37,4 +37,10 @@ CPM_APART double world_index(const cpm_world *w, cpm_i32 medium, cpm_i32 bin, cp
     const double r[3] = {point.x, point.y, point.z};
     return cpm_index_at(&m, cpm_table_of(w->tables, medium), w->scale[at], r);
 }
+
+/* Its square; 0 where there is none. */
+CPM_INLINE double world_squared_index(const cpm_world *w, cpm_i32 medium, cpm_i32 bin, cpm_vec point) {
+    const double n = world_index(w, medium, bin, point);
+    return n > 0.0 ? n * n : 0.0;
+}
 #endif

@@ -24,7 +24,11 @@ typedef struct cpm_place { /* a medium of the scene, beside its cpm_medium_data 
     cpm_i32 method;        /* CPM_STEP_ that runs */
     cpm_i32 also;          /* another medium that the same shape bounds, 0: none */
     cpm_i32 disperses;     /* n differs between the bins */
+    /* what bounds it (not the one that fills space): a sphere, or `count` triangles, and their box */
+    cpm_i32 is_sphere, first, count, padding;
+    double low[3], high[3];
 } cpm_place;
+CPM_STATIC_ASSERT(sizeof(cpm_place) == 80, cpm_place_size);
 
 typedef struct cpm_surface { /* of a shape */
     cpm_i32 kind;            /* CPM_SURFACE_ */
@@ -41,8 +45,10 @@ typedef struct cpm_world_frame {
     cpm_i32 bins, middle;           /* the bin that stands for a whole bundle where nothing disperses */
     cpm_i32 bounded;                /* the extent is finite */
     cpm_i32 coarse;                 /* float is too coarse for this geometry: straight rays are all asked exactly */
+    double nudge;                   /* metres: far below the geometry, far above rounding */
+    cpm_i32 media, padding;         /* how many */
 } cpm_world_frame;
-CPM_STATIC_ASSERT(sizeof(cpm_world_frame) == 144, cpm_world_frame_size);
+CPM_STATIC_ASSERT(sizeof(cpm_world_frame) == 160, cpm_world_frame_size);
 
 struct cpm_geometry; /* the host's */
 

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cl/shared/region.h"
 #include "cl/shared/scatter.h"
 #include "embree.h"
 #include "parts.h"
@@ -215,9 +216,7 @@ cpm_vec cpm_geometry_step_back(const cpm_geometry *g, const cpm_hit *hit, cpm_ve
 }
 
 int cpm_geometry_near_edge(const cpm_geometry *g, const cpm_hit *hit) {
-    if ((size_t)hit->primitive >= g->triangle_count) return 1;
-    double least = cpm_min(hit->u, cpm_min(hit->v, 1.0 - hit->u - hit->v));
-    return !(least > g->tree.triangles[hit->primitive].near_edge);
+    return cpm_is_near_edge(&g->tree, hit);
 }
 
 const char *cpm_geometry_embree_version(void) {

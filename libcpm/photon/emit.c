@@ -94,7 +94,7 @@ const float *cpm_emit_spectrum(const cpm_pass *pass, const cpm_emitter *e, const
     const double middle = squared_index(pass, &flight->region, flight->position);
     for (size_t b = 0; b < pass->bins; b++) {
         const double n = cpm_pass_index(pass, medium, (int32_t)b, flight->position);
-        own[b] = n > 0.0 ? (float)((double)e->weight[b] * (n * n / middle)) : 0.0f;
+        own[b] = emit_own(e->weight[b], n > 0.0 ? n * n : 0.0, middle);
     }
     return own;
 }

@@ -4,18 +4,11 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "tree.h"
-
-/* The instruction set that a query was made for. */
-#define CPM_MAP_NEAREST(state_, point, normal, k, limit)                                                               \
-    (query_of(state_)->search->nearest(state_, point, normal, k, limit))
-#define CPM_MAP_SUM(state_, count) (query_of(state_)->search->sum(state_, count))
-static const cpm_query *query_of(const cpm_map_search *state) {
-    return (const cpm_query *)(const void *)((const char *)state - offsetof(cpm_query, state));
-}
+#include "search_host.h"
+/* after the host's */
 #include "cl/shared/map_search.h"
 
-void cpm_tree_free(cpm_tree *tree) {
+void cpm_tree_free(cpm_map_tree *tree) {
     if (!tree) return;
     free(tree->photons);
     if (tree->spectra) tree->release_spectra(tree->spectra);
@@ -24,17 +17,17 @@ void cpm_tree_free(cpm_tree *tree) {
     free(tree);
 }
 
-size_t cpm_tree_count(const cpm_tree *tree) { return tree->count; }
+size_t cpm_tree_count(const cpm_map_tree *tree) { return tree->count; }
 
-size_t cpm_tree_bytes(const cpm_tree *tree) {
+size_t cpm_tree_bytes(const cpm_map_tree *tree) {
     if (tree->count == 0) return 0;
     return tree->count * (sizeof *tree->photons + 3 * sizeof *tree->points) +
            tree->spectra_count * sizeof *tree->spectra + tree->node_count * sizeof *tree->nodes;
 }
 
-const cpm_photon *cpm_tree_photons(const cpm_tree *tree) { return tree->photons; }
-const uint16_t *cpm_tree_spectra(const cpm_tree *tree) { return tree->spectra; }
-double cpm_tree_scale(const cpm_tree *tree) { return tree->scale; }
+const cpm_photon *cpm_tree_photons(const cpm_map_tree *tree) { return tree->photons; }
+const uint16_t *cpm_tree_spectra(const cpm_map_tree *tree) { return tree->spectra; }
+double cpm_tree_scale(const cpm_map_tree *tree) { return tree->scale; }
 
 extern const cpm_search cpm_search_baseline;
 #if CPM_ISA_COUNT > 1
@@ -54,7 +47,7 @@ const cpm_search *cpm_search_for(cpm_isa isa) {
 
 #define NEAREST_USUAL 1024u /* room for so many is made at once: later queries then cannot run out of memory */
 
-cpm_map_view cpm_tree_view(const cpm_tree *tree) {
+cpm_map_view cpm_tree_view(const cpm_map_tree *tree) {
     const cpm_map_view view = {.nodes = tree->nodes,
                                .points = tree->points,
                                .photons = tree->photons,
@@ -70,7 +63,7 @@ cpm_map_view cpm_tree_view(const cpm_tree *tree) {
     return view;
 }
 
-int32_t cpm_query_room(cpm_query *query, uint32_t k) {
+int32_t cpm_query_room(cpm_map_query *query, uint32_t k) {
     cpm_map_search *s = &query->state;
     const size_t capacity = (size_t)CPM_MAP_CAPACITY(k, query->tree->count);
     if (capacity <= s->capacity) return 1;
@@ -90,8 +83,8 @@ int32_t cpm_query_room(cpm_query *query, uint32_t k) {
     return 1;
 }
 
-cpm_query *cpm_query_create(const cpm_tree *tree) {
-    cpm_query *query = calloc(1, sizeof *query);
+cpm_map_query *cpm_query_create(const cpm_map_tree *tree) {
+    cpm_map_query *query = calloc(1, sizeof *query);
     if (!query) return NULL;
     query->tree = tree;
     query->search = cpm_search_for(cpm_isa_chosen());
@@ -103,7 +96,7 @@ cpm_query *cpm_query_create(const cpm_tree *tree) {
     return NULL;
 }
 
-void cpm_query_free(cpm_query *query) {
+void cpm_query_free(cpm_map_query *query) {
     if (!query) return;
     free(query->state.distance);
     free(query->state.id);
@@ -113,8 +106,8 @@ void cpm_query_free(cpm_query *query) {
     free(query);
 }
 
-double cpm_tree_irradiance(const cpm_tree *tree, cpm_query *query, const float *point, const float *normal, int32_t k,
-                           double max_radius, double *irradiance) {
+double cpm_tree_irradiance(const cpm_map_tree *tree, cpm_map_query *query, const float *point, const float *normal,
+                           int32_t k, double max_radius, double *irradiance) {
     const uint32_t nearest = k < 1 ? 1 : (uint32_t)k;
     cpm_map_found found;
     (void)tree;
@@ -122,8 +115,8 @@ double cpm_tree_irradiance(const cpm_tree *tree, cpm_query *query, const float *
     return cpm_map_irradiance(&query->state, point, normal, nearest, max_radius, &found, irradiance);
 }
 
-double cpm_tree_radius(const cpm_tree *tree, cpm_query *query, const float *point, const float *normal, int32_t k,
-                       double max_radius) {
+double cpm_tree_radius(const cpm_map_tree *tree, cpm_map_query *query, const float *point, const float *normal,
+                       int32_t k, double max_radius) {
     const uint32_t nearest = k < 1 ? 1 : (uint32_t)k;
     cpm_map_found found;
     (void)tree;

@@ -45,7 +45,7 @@ static cpm_status given_up(const cpm_builder *b) {
 /* --- survey ---------------------------------------------------------------------------------------------------- */
 
 static cpm_status survey(cpm_builder *b) {
-    cpm_tree *tree = b->tree;
+    cpm_map_tree *tree = b->tree;
     const cpm_photon *photons = b->given;
     const size_t count = tree->count, bins = tree->bins, limit = tree->spectra_count;
     float lx = FLT_MAX, ly = FLT_MAX, lz = FLT_MAX, hx = -FLT_MAX, hy = -FLT_MAX, hz = -FLT_MAX;
@@ -93,7 +93,7 @@ static cpm_status survey(cpm_builder *b) {
 /* Spectra in the photons' order, where the given photons were if there is room. Where a chunk's spectra begin is
  * counted first. */
 static int32_t move_spectra(cpm_builder *b) {
-    cpm_tree *tree = b->tree;
+    cpm_map_tree *tree = b->tree;
     const size_t bins = tree->bins, chunks = cpm_builder_chunks(b);
     const size_t bytes = (tree->spectra_count + CPM_PAD) * sizeof *tree->spectra;
     size_t *starts = calloc(chunks + 1, sizeof *starts);
@@ -150,7 +150,7 @@ static int32_t move_spectra(cpm_builder *b) {
 /* --- all of it ------------------------------------------------------------------------------------------------- */
 
 static cpm_status build(cpm_builder *b) {
-    cpm_tree *tree = b->tree;
+    cpm_map_tree *tree = b->tree;
     if (tree->count > UINT32_MAX)
         return cpm_fail(b->context, CPM_ERROR_UNSUPPORTED, "%zu photons; a map holds 2^32", tree->count);
     if (tree->bins < 1 || tree->bins > CPM_MAX_BINS)
@@ -177,10 +177,11 @@ static cpm_status build(cpm_builder *b) {
 }
 
 cpm_status cpm_tree_build(cpm_context *context, cpm_photon *photons, uint16_t *spectra, size_t count,
-                          size_t spectra_count, void (*release)(void *), size_t bins, double scale, cpm_tree **tree) {
+                          size_t spectra_count, void (*release)(void *), size_t bins, double scale,
+                          cpm_map_tree **tree) {
     *tree = NULL;
     cpm_builder b = {.context = context,
-                     .tree = calloc(1, sizeof(cpm_tree)),
+                     .tree = calloc(1, sizeof(cpm_map_tree)),
                      .given = photons,
                      .given_spectra = spectra,
                      .release = release,

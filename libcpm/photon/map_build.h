@@ -13,7 +13,7 @@ typedef struct cpm_plan { /* a node of the upper tree, or a run */
 
 typedef struct cpm_builder {
     cpm_context *context;
-    cpm_tree *tree;
+    cpm_map_tree *tree;
     cpm_photon *given;
     uint16_t *given_spectra;
     void (*release)(void *); /* of both */

@@ -96,7 +96,7 @@ int32_t cpm_builder_plan(cpm_builder *b) {
 
 /* Copies the nodes of all runs into one array, in the runs' order, so that the array does not depend on threads. */
 static int32_t gather_nodes(cpm_builder *b, const cpm_grove *groves) {
-    cpm_tree *tree = b->tree;
+    cpm_map_tree *tree = b->tree;
     size_t node_count = 0;
     for (size_t i = 0; i < b->plan_count; i++) node_count += b->plans[i].n ? 1 : b->plans[i].node_count;
     node_count = node_count ? node_count : 1; /* a single leaf still gets a node above it */
@@ -128,7 +128,7 @@ static int32_t gather_nodes(cpm_builder *b, const cpm_grove *groves) {
 }
 
 int32_t cpm_builder_grow(cpm_builder *b) {
-    cpm_tree *tree = b->tree;
+    cpm_map_tree *tree = b->tree;
     size_t longest = 0;
     int32_t failed = 0;
     for (size_t i = 0; i < b->plan_count; i++)

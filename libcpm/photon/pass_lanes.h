@@ -5,6 +5,7 @@
 #include <stdint.h>
 
 #include "backend/native/isa.h"
+#include "cl/shared/settle.h"
 #include "cl/types/emitter.h"
 #include "cl/types/geometry.h"
 
@@ -34,21 +35,6 @@ typedef struct cpm_dither_table {
     uint32_t multiply[CPM_DITHER_BINS], add[CPM_DITHER_BINS]; /* state after i + 1 steps */
 } cpm_dither_table;
 void cpm_dither_table_fill(cpm_dither_table *table);
-
-/* Energies of one batch, each a pointer to all bins. */
-typedef struct cpm_roulette_rows {
-    double *absorbed, *gain, *loss, *variance;
-} cpm_roulette_rows;
-
-/* Powers of one path at a surface: bins [first, first + bins) of the film's. */
-typedef struct cpm_powers {
-    const float *before, *reflectance, *share; /* share: of the largest reflectance; bins each */
-    float *after;                              /* NULL: nothing goes on, all is absorbed. Not where `before` is */
-    uint16_t *spectrum;                        /* where they are stored first; NULL: not stored */
-    uint32_t dither;                           /* of the stored ones */
-    uint32_t first, bins;
-    int32_t alive; /* what roulette says */
-} cpm_powers;
 
 typedef struct cpm_pass_code {
     /* Paths index .. index + count (count <= CPM_BLOCK; the arrays are filled up to a whole lane). */

@@ -97,18 +97,13 @@ cpm_status cpm_photons_run(const cpm_pass *pass, const cpm_photons_options *o, c
     cpm_photons *p = photons_new(pass);
     *photons = NULL;
     if (!p) return cpm_fail(context, CPM_ERROR_OUT_OF_MEMORY, "no memory for photon maps");
-    if (context->opencl) {
-        cpm_photons_release(p);
-        return cpm_fail(context, CPM_ERROR_UNSUPPORTED,
-                        "an OpenCL device traces rays alone in a medium here; scenes need the native backend");
-    }
 
     cpm_status status =
         cpm_emitters_create(pass, o->photons, o->seed, !o->no_projection, &emitters, &emitter_count, &scale, &p->stats);
     double projected = cpm_seconds();
     if (!status)
-        status = cpm_backend_native.photons(pass, emitters, emitter_count, o->photons, o->seed, o->batch, p->origin,
-                                            stores, p->energy, &p->stats);
+        status = cpm_backend_of(context)->photons(pass, emitters, emitter_count, o->photons, o->seed, o->batch,
+                                                  p->origin, stores, p->energy, &p->stats);
     cpm_emitters_free(emitters, emitter_count);
     double traced = cpm_seconds();
     if (!status) status = build_maps(p, stores, scale);
@@ -171,7 +166,7 @@ size_t cpm_photons_count(const cpm_photons *photons, cpm_map map) {
 
 size_t cpm_photons_bins(const cpm_photons *photons) { return photons ? photons->bins : 0; }
 
-static void read_tree(const cpm_photons *p, const cpm_tree *tree, size_t offset, const cpm_photons_arrays *to) {
+static void read_tree(const cpm_photons *p, const cpm_map_tree *tree, size_t offset, const cpm_photons_arrays *to) {
     const cpm_photon *all = cpm_tree_photons(tree);
     const uint16_t *spectra = cpm_tree_spectra(tree);
     const double scale = cpm_tree_scale(tree);

@@ -8,16 +8,30 @@
 
 #include "backend/native/bundles.h"
 #include "cl/types/photon.h"
+#include "cl/types/walker.h"
 #include "photon/map.h"
 #include "photon/pass_lanes.h"
 #include "photon/store.h"
 #include "scene/pass.h"
 
 /* Populations that are searched apart. */
-enum { CPM_DIRECT = 0, CPM_LATER = 1, CPM_CAUSTIC = 2, CPM_POPULATIONS = 3 };
+enum {
+    CPM_DIRECT = CPM_POPULATION_DIRECT,
+    CPM_LATER = CPM_POPULATION_LATER,
+    CPM_CAUSTIC = CPM_POPULATION_CAUSTIC,
+    CPM_POPULATIONS = 3
+};
 
 /* Rows of the energy table, W/nm a bin. */
-enum { CPM_EMITTED, CPM_GAIN, CPM_ABSORBED, CPM_ESCAPED, CPM_LOSS, CPM_VARIANCE, CPM_ENERGY_ROWS };
+enum {
+    CPM_EMITTED = CPM_ROW_EMITTED,
+    CPM_GAIN = CPM_ROW_GAIN,
+    CPM_ABSORBED = CPM_ROW_ABSORBED,
+    CPM_ESCAPED = CPM_ROW_ESCAPED,
+    CPM_LOSS = CPM_ROW_LOSS,
+    CPM_VARIANCE = CPM_ROW_VARIANCE,
+    CPM_ENERGY_ROWS = CPM_ROWS
+};
 
 struct cpm_photons {
     atomic_int references;
@@ -26,7 +40,7 @@ struct cpm_photons {
     double *wavelengths;
     cpm_vec origin;  /* subtracted from stored positions */
     double diagonal; /* of the scene: the default max_radius */
-    cpm_tree *trees[CPM_POPULATIONS];
+    cpm_map_tree *trees[CPM_POPULATIONS];
     double *energy; /* CPM_ENERGY_ROWS x bins */
     cpm_stats stats;
 };
@@ -89,6 +103,14 @@ cpm_leeway cpm_emitter_leeway(const cpm_pass *pass, const cpm_emitter *emitter, 
 cpm_status cpm_trace_paths(const cpm_pass *pass, const cpm_emitter *emitters, size_t emitter_count, uint64_t photons,
                            uint64_t seed, int32_t batch, cpm_vec origin, cpm_store stores[CPM_POPULATIONS],
                            double *energy, cpm_stats *stats);
+
+/* Opens the stores, and says how many bytes photons may take; 0: no memory. */
+uint64_t cpm_stores_open(int32_t threads, cpm_store stores[CPM_POPULATIONS]);
+/* The failure where they take more. */
+cpm_status cpm_stores_too_full(cpm_context *context, uint64_t photons, uint64_t most);
+/* Reflectance over the largest of its material, for the survivors of roulette: materials x bins and one more, which the
+ * caller frees; NULL: no memory. */
+float *cpm_surface_shares(const cpm_pass *pass);
 
 /* photons.c: everything from a pass to maps. */
 cpm_status cpm_photons_run(const cpm_pass *pass, const cpm_photons_options *options, cpm_photons **photons);

@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "cl/shared/sampling.h"
+#include "backend/backend.h"
 #include "photons.h"
 
 #define ROWS 64
@@ -20,33 +21,45 @@
 
 enum { SEES_SURFACE = 1, SEES_SPECULAR = 2 };
 
-/* What the rays through all corners see: boundaries are passed by refraction until a surface ends the ray. */
-static int look(const cpm_pass *pass, cpm_flight *flights, uint8_t *seen, size_t count) {
-    cpm_arrival *arrivals = malloc(count * sizeof *arrivals);
-    if (!arrivals) return 0;
-    cpm_follow(pass, flights, count, NULL, arrivals);
+/* One ray has arrived: what it sees, and, where that is only a boundary, its flight beyond. 0: it ends. */
+static int goes_on(const cpm_pass *pass, cpm_flight *flight, const cpm_arrival *a, uint8_t *seen) {
     const cpm_scene *scene = pass->scene;
-    for (size_t i = 0; i < count; i++) {
-        cpm_flight flight = flights[i];
-        cpm_arrival a = arrivals[i];
-        for (int b = 0; b < MAX_BOUNDARIES && a.status == CPM_RAY_HIT; b++) {
-            const shape *s = &scene->shapes[cpm_primitive_shape(scene, a.hit.primitive)];
-            int passes = s->material == CPM_NO_MATERIAL;
-            if (!passes) {
-                int32_t kind = scene->materials[s->material].kind;
-                seen[i] |= SEES_SURFACE;
-                if (kind == CPM_MATERIAL_MIRROR || kind == CPM_MATERIAL_DIELECTRIC) seen[i] |= SEES_SPECULAR;
-                break;
-            }
-            cpm_passage passage;
-            if (!cpm_pass_boundary(pass, &flight, &a, &passage)) break;
-            if (passage.jumps) seen[i] |= SEES_SPECULAR;
-            flight = passage.total ? passage.reflected : passage.transmitted;
-            cpm_follow(pass, &flight, 1, NULL, &a);
-        }
+    cpm_passage passage;
+    if (a->status != CPM_RAY_HIT) return 0;
+    const shape *s = &scene->shapes[cpm_primitive_shape(scene, a->hit.primitive)];
+    if (s->material != CPM_NO_MATERIAL) {
+        const int32_t kind = scene->materials[s->material].kind;
+        *seen |= SEES_SURFACE;
+        if (kind == CPM_MATERIAL_MIRROR || kind == CPM_MATERIAL_DIELECTRIC) *seen |= SEES_SPECULAR;
+        return 0;
     }
-    free(arrivals);
+    if (!cpm_pass_boundary(pass, flight, a, &passage)) return 0;
+    if (passage.jumps) *seen |= SEES_SPECULAR;
+    *flight = passage.total ? passage.reflected : passage.transmitted;
     return 1;
+}
+
+/* What the rays through all corners see: boundaries are passed by refraction until a surface ends the ray. All are
+ * followed to what they meet next, then those that go on, which are moved to the front. */
+static cpm_status look(const cpm_pass *pass, cpm_flight *flights, uint8_t *seen, size_t count) {
+    cpm_arrival *arrivals = malloc(count * sizeof *arrivals);
+    size_t *which = malloc(count * sizeof *which);
+    cpm_status status = arrivals && which
+                            ? CPM_OK
+                            : cpm_fail(pass->context, CPM_ERROR_OUT_OF_MEMORY, "no memory for a projection map");
+    for (size_t i = 0; i < count && !status; i++) which[i] = i;
+    for (int b = 0; b < MAX_BOUNDARIES && count && !status; b++) {
+        size_t on = 0;
+        status = cpm_backend_of(pass->context)->follow(pass, flights, count, arrivals);
+        for (size_t i = 0; i < count && !status; i++)
+            if (goes_on(pass, &flights[i], &arrivals[i], &seen[which[i]])) {
+                flights[on] = flights[i];
+                which[on++] = which[i];
+            }
+        count = on;
+    }
+    free(arrivals), free(which);
+    return status;
 }
 
 /* A cell takes the flags of its neighbours; azimuth wraps, and a pole is one point shared by its whole row. */
@@ -100,8 +113,10 @@ cpm_status cpm_project(const cpm_pass *pass, cpm_emitter *emitter, cpm_stats *st
     p->cumulative = calloc(cells + 1, sizeof *p->cumulative);
     p->weight = calloc(cells, sizeof *p->weight);
     p->guide = calloc(cells, sizeof *p->guide);
-    int fine = flights && seen && flags && dilated && p->cumulative && p->weight && p->guide;
-    if (fine) {
+    const int fine = flights && seen && flags && dilated && p->cumulative && p->weight && p->guide;
+    cpm_status status =
+        fine ? CPM_OK : cpm_fail(pass->context, CPM_ERROR_OUT_OF_MEMORY, "no memory for a projection map");
+    if (!status) {
         double cutoff = 1.0 - cpm_cos(emitter->light->cutoff);
         for (int r = 0; r <= ROWS; r++)
             for (int c = 0; c < COLUMNS; c++) {
@@ -113,9 +128,9 @@ cpm_status cpm_project(const cpm_pass *pass, cpm_emitter *emitter, cpm_stats *st
                 f->left = -1;
                 f->bin = pass->middle;
             }
-        fine = look(pass, flights, seen, corners);
+        status = look(pass, flights, seen, corners);
     }
-    if (fine) {
+    if (!status) {
         for (int r = 0; r < ROWS; r++)
             for (int c = 0; c < COLUMNS; c++) {
                 int next = (c + 1) % COLUMNS;
@@ -133,5 +148,5 @@ cpm_status cpm_project(const cpm_pass *pass, cpm_emitter *emitter, cpm_stats *st
         }
     }
     free(flights), free(seen), free(flags), free(dilated);
-    return fine ? CPM_OK : cpm_fail(pass->context, CPM_ERROR_OUT_OF_MEMORY, "no memory for a projection map");
+    return status;
 }

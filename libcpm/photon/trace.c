@@ -13,23 +13,15 @@
 #include "backend/native/parabolas.h"
 #include "cl/shared/scatter.h"
 #include "cl/shared/store.h"
+#include "cl/types/walker.h"
 #include "photons.h"
 
 #define BATCH 512
 #define MEMORY_SHARE 0.4 /* of the machine's, for stored photons: building their map takes as much again */
 #define SHARP 1e-12 /* radians between refracted colours of one path: caustics are finer than any circle of photons */
-#define MAX_BOUNCES 4096 /* a closed room of albedo 1 would keep its photons for ever: beyond, they are lost */
-
-typedef struct walker { /* what a path has been through */
-    uint32_t path;
-    uint16_t bounce;    /* surfaces met; also which block of random numbers comes next */
-    uint16_t crossings; /* boundaries passed unbroken since: they use blocks too */
-    uint8_t specular;   /* only specular surfaces so far, one at least */
-    uint8_t direct;     /* nothing met so far */
-} walker;
 
 typedef struct crowd { /* a batch's live paths; powers: room for bins floats each, those of its own bins come first */
-    walker *walkers;
+    cpm_walker *walkers;
     cpm_flight *flights;
     float *powers;
     cpm_leeway *leeways; /* NULL: bundles part wherever a medium disperses */
@@ -101,7 +93,7 @@ static int crowd_reserve(crowd *c, size_t more, int together) {
 static void crowd_free(crowd *c) { free(c->walkers), free(c->powers), free(c->flights), free(c->leeways); }
 
 /* A path goes on. */
-static void survive(task *t, const walker *w, const cpm_flight *flight, const float *powers, size_t count) {
+static void survive(task *t, const cpm_walker *w, const cpm_flight *flight, const float *powers, size_t count) {
     if (!crowd_reserve(&t->next, 1, t->together)) {
         t->failed = 1;
         return;
@@ -127,13 +119,7 @@ static void account(task *t, const cpm_flight *flight, const float *powers, int 
 
 /* ------------------------------------------------------------------------------------------------ scattering */
 
-static void another_bounce(walker *w) {
-    w->direct = 0;
-    w->bounce++;
-    w->crossings = 0;
-}
-
-static cpm_random random_of(const task *t, const walker *w, const cpm_flight *flight) {
+static cpm_random random_of(const task *t, const cpm_walker *w, const cpm_flight *flight) {
     return cpm_philox(t->seed, w->path, cpm_scatter_block(w->bounce, w->crossings), CPM_STREAM_SCATTER,
                       cpm_scatter_bin(flight->bin));
 }
@@ -161,9 +147,9 @@ static void play(const task *t, const cpm_flight *flight, int32_t material, cons
 }
 
 /* Gives the photon a place; its powers are to follow. */
-static void store(task *t, const walker *w, const cpm_flight *flight, const cpm_arrival *a, uint32_t direction,
+static void store(task *t, const cpm_walker *w, const cpm_flight *flight, const cpm_arrival *a, uint32_t direction,
                   uint32_t normal, cpm_powers *p) {
-    const int population = w->direct ? CPM_DIRECT : w->specular ? CPM_CAUSTIC : CPM_LATER;
+    const int population = cpm_population(w);
     uint32_t index;
     cpm_photon *photon = cpm_store_place(&t->parts[population], p->bins, &index);
     if (!photon) {
@@ -185,7 +171,7 @@ typedef struct encounter {
 
 static void describe(const task *t, size_t first, const encounter *met, size_t count, cpm_meetings *m) {
     for (size_t k = 0; k < count; k++) {
-        const walker *w = &t->now.walkers[first + met[k].number];
+        const cpm_walker *w = &t->now.walkers[first + met[k].number];
         const cpm_flight *f = &t->now.flights[first + met[k].number];
         const cpm_arrival *a = &t->arrivals[met[k].number];
         const cpm_facet facet = world_facet(&t->pass->world, a->hit.primitive, a->hit.position);
@@ -210,7 +196,7 @@ static void meet_diffuse(task *t, size_t first, const encounter *met, size_t cou
     if (!crowd_reserve(&t->next, count + 1, t->together)) t->failed = 1;
     size_t survivors = t->next.count;
     for (size_t k = 0; k < count && !t->failed; k++) {
-        const walker *w = &t->now.walkers[first + met[k].number];
+        const cpm_walker *w = &t->now.walkers[first + met[k].number];
         const cpm_flight *f = &t->now.flights[first + met[k].number];
         const cpm_arrival *a = &t->arrivals[met[k].number];
         const int black = scene->materials[met[k].material].kind == CPM_MATERIAL_BLACK;
@@ -219,7 +205,7 @@ static void meet_diffuse(task *t, size_t first, const encounter *met, size_t cou
         store(t, w, f, a, m->direction_code[k], m->normal_code[k], &powers[k]);
         if (black || !powers[k].alive) continue;
         /* field by field where they belong: a copy of what has just been written would wait for it */
-        walker *next = &t->next.walkers[survivors];
+        cpm_walker *next = &t->next.walkers[survivors];
         if (t->together) t->next.leeways[survivors] = cpm_leeway_after(&t->now.leeways[first + met[k].number], f, a);
         cpm_flight *to = &t->next.flights[survivors++];
         next->path = w->path;
@@ -239,7 +225,7 @@ static void meet_diffuse(task *t, size_t first, const encounter *met, size_t cou
     t->next.count = survivors;
 }
 
-static void meet_mirror(task *t, walker *w, const cpm_flight *f, const cpm_arrival *a, const float *powers,
+static void meet_mirror(task *t, cpm_walker *w, const cpm_flight *f, const cpm_arrival *a, const float *powers,
                         int32_t material) {
     const cpm_pass *pass = t->pass;
     cpm_vec facing = scatter_facing(cpm_geometric_normal(pass->scene, &a->hit), a->direction);
@@ -251,19 +237,18 @@ static void meet_mirror(task *t, walker *w, const cpm_flight *f, const cpm_arriv
     t->code->settle(&p, 1, t->dither, &rows);
     if (!p.alive) return;
     cpm_vec direction = scatter_mirror(a->direction, cpm_shading_normal(pass->scene, &a->hit, facing), facing);
-    w->specular = w->direct || w->specular;
-    another_bounce(w);
+    cpm_walker_reflects(w);
     cpm_flight flight = cpm_depart(pass, f, a, direction);
     survive(t, w, &flight, after, p.bins);
 }
 
-static void meet_boundary(task *t, walker *w, const cpm_flight *f, const cpm_arrival *a, const float *powers) {
+static void meet_boundary(task *t, cpm_walker *w, const cpm_flight *f, const cpm_arrival *a, const float *powers) {
     const cpm_pass *pass = t->pass;
     cpm_passage passage;
     size_t first, count = carried(t, f, &first);
     if (cpm_bundle_parts(pass, f, a, t->together ? SHARP : 0.0)) { /* each its own way */
         for (int upper = 0; upper < 2; upper++) {
-            walker one = *w;
+            cpm_walker one = *w;
             cpm_flight half;
             cpm_arrival at;
             const size_t before = cpm_bundle_half(pass, f, a, upper, &half, &at);
@@ -281,8 +266,7 @@ static void meet_boundary(task *t, walker *w, const cpm_flight *f, const cpm_arr
     if (passage.jumps) {
         cpm_random r = random_of(t, w, f);
         if (cpm_uniform(r.v[3]) < passage.reflectance) flight = &passage.reflected;
-        w->specular = w->direct || w->specular;
-        another_bounce(w);
+        cpm_walker_reflects(w);
     } else {
         w->crossings++;
     }
@@ -293,11 +277,11 @@ static void meet_boundary(task *t, walker *w, const cpm_flight *f, const cpm_arr
  * else CPM_NO_MATERIAL. */
 static int32_t arrive(task *t, size_t number, const cpm_arrival *a) {
     const cpm_scene *scene = t->pass->scene;
-    walker *w = &t->now.walkers[number];
+    cpm_walker *w = &t->now.walkers[number];
     const cpm_flight *f = &t->now.flights[number];
     const float *powers = &t->now.powers[number * t->now.bins];
     t->evaluations += a->evaluations;
-    if (a->status != CPM_RAY_HIT || w->bounce >= MAX_BOUNCES || w->crossings == UINT16_MAX) {
+    if (a->status != CPM_RAY_HIT || w->bounce >= CPM_MAX_BOUNCES || w->crossings == CPM_MAX_CROSSINGS) {
         account(t, f, powers, CPM_ESCAPED);
         t->lost += a->status != CPM_RAY_LEFT;
         return CPM_NO_MATERIAL;
@@ -318,7 +302,7 @@ static int32_t arrive(task *t, size_t number, const cpm_arrival *a) {
 /* A path starts in a medium that disperses: each wavelength goes its own way. */
 static void start_apart(task *t, uint32_t path, cpm_flight *flight) {
     float powers[CPM_MAX_BINS];
-    const walker w = {.path = path, .direct = 1};
+    const cpm_walker w = {.path = path, .direct = 1};
     memcpy(powers, &t->next.powers[t->next.count * t->next.bins], t->next.bins * sizeof *powers);
     for (size_t b = 0; b < t->next.bins; b++) {
         flight->bin = (int32_t)b;
@@ -328,7 +312,7 @@ static void start_apart(task *t, uint32_t path, cpm_flight *flight) {
 
 /* A path starts with all its bins; its powers are there. */
 static void start(task *t, const cpm_emitter *e, uint32_t path, float weight, const cpm_flight *flight) {
-    walker *w = &t->next.walkers[t->next.count];
+    cpm_walker *w = &t->next.walkers[t->next.count];
     if (t->together) t->next.leeways[t->next.count] = cpm_emitter_leeway(t->pass, e, weight);
     t->next.flights[t->next.count++] = *flight;
     w->path = path;
@@ -391,7 +375,7 @@ static void emit_far_block(task *t, const cpm_emitter *e, uint64_t path, size_t 
     if (t->together) t->leeway = cpm_emitter_leeway(t->pass, e, 1.0f); /* what survive() gives to each */
     for (size_t i = 0; i < made && !t->failed; i++) {
         const cpm_flight *f = &t->far.flights[i];
-        const walker w = {.path = t->far.paths[i], .direct = 1};
+        const cpm_walker w = {.path = t->far.paths[i], .direct = 1};
         size_t first, carries = carried(t, f, &first);
         t->emitted += w.path != last;
         last = w.path;
@@ -562,8 +546,7 @@ static void work(task *t, shared_work *shared, int reports) {
     }
 }
 
-/* Reflectance over the largest of its material, for the survivors of roulette. */
-static float *shares_of(const cpm_pass *pass) {
+float *cpm_surface_shares(const cpm_pass *pass) {
     const size_t bins = pass->bins, materials = pass->scene->material_count;
     float *shares = calloc(materials * bins + 1, sizeof *shares);
     for (size_t i = 0; shares && i < materials * bins; i++)
@@ -571,17 +554,29 @@ static float *shares_of(const cpm_pass *pass) {
     return shares;
 }
 
+uint64_t cpm_stores_open(int32_t threads, cpm_store stores[CPM_POPULATIONS]) {
+    const uint64_t most = (uint64_t)(MEMORY_SHARE * (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE));
+    const uint64_t unfilled = ((uint64_t)threads + 1) << 18; /* the threads' last runs */
+    for (int p = 0; p < CPM_POPULATIONS; p++)
+        if (!cpm_store_open(&stores[p], most + unfilled)) return 0;
+    return most;
+}
+
+cpm_status cpm_stores_too_full(cpm_context *context, uint64_t photons, uint64_t most) {
+    return cpm_fail(context, CPM_ERROR_OUT_OF_MEMORY,
+                    "photons is %llu: those stored take more than %.1f GB, %.0f %% of "
+                    "this machine's memory; ask for fewer",
+                    (unsigned long long)photons, 1e-9 * (double)most, 100.0 * MEMORY_SHARE);
+}
+
 static int prepare(shared_work *shared, int32_t threads, cpm_store stores[CPM_POPULATIONS]) {
     const size_t row = CPM_ENERGY_ROWS * shared->pass->bins;
-    const uint64_t unfilled = ((uint64_t)threads + 1) << 18; /* the threads' last runs */
     shared->energies = calloc(shared->batches * row + 1, sizeof *shared->energies);
     shared->evaluations = calloc(shared->batches + 1, sizeof *shared->evaluations);
     shared->parts = calloc((size_t)threads * CPM_POPULATIONS, sizeof *shared->parts);
-    shared->shares = shares_of(shared->pass);
-    shared->most_bytes = (uint64_t)(MEMORY_SHARE * (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE));
-    int fine = shared->energies && shared->evaluations && shared->parts && shared->shares;
-    for (int p = 0; p < CPM_POPULATIONS; p++) fine = fine && cpm_store_open(&stores[p], shared->most_bytes + unfilled);
-    return fine;
+    shared->shares = cpm_surface_shares(shared->pass);
+    shared->most_bytes = cpm_stores_open(threads, stores);
+    return shared->energies && shared->evaluations && shared->parts && shared->shares && shared->most_bytes;
 }
 
 static void close_stores(const shared_work *shared, int32_t threads, cpm_store stores[CPM_POPULATIONS]) {
@@ -637,10 +632,7 @@ cpm_status cpm_trace_paths(const cpm_pass *pass, const cpm_emitter *emitters, si
     stats->photons_lost = shared.lost;
     stats->photon_evaluations = (uint64_t)evaluations;
     if (shared.too_many)
-        return cpm_fail(context, CPM_ERROR_OUT_OF_MEMORY,
-                        "photons is %llu: those stored take more than %.1f GB, %.0f %% of "
-                        "this machine's memory; ask for fewer",
-                        (unsigned long long)photons, 1e-9 * (double)shared.most_bytes, 100.0 * MEMORY_SHARE);
+        return cpm_stores_too_full(context, photons, shared.most_bytes);
     if (shared.failed)
         return cpm_fail(context, CPM_ERROR_OUT_OF_MEMORY, "no memory to store the photons of %llu paths",
                         (unsigned long long)photons);

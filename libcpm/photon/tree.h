@@ -8,7 +8,7 @@
 
 typedef cpm_map_node cpm_node;
 
-struct cpm_tree {
+struct cpm_map_tree {
     cpm_photon *photons; /* leaf after leaf; within a leaf by (path, bounce, bin) */
     uint16_t *spectra;
     void (*release_spectra)(void *); /* how they are freed */
@@ -24,11 +24,11 @@ struct cpm_tree {
 };
 
 /* What a search reads. */
-cpm_map_view cpm_tree_view(const cpm_tree *tree);
+cpm_map_view cpm_tree_view(const cpm_map_tree *tree);
 
 /* Scratch of one thread. */
-struct cpm_query {
-    const cpm_tree *tree;
+struct cpm_map_query {
+    const cpm_map_tree *tree;
     const struct cpm_search *search;
     cpm_map_search state;
 };
@@ -43,5 +43,5 @@ typedef struct cpm_search {
 } cpm_search;
 const cpm_search *cpm_search_for(cpm_isa isa);
 /* Makes room for k nearest; 0 out of memory. */
-int32_t cpm_query_room(cpm_query *query, uint32_t k);
+int32_t cpm_query_room(cpm_map_query *query, uint32_t k);
 #endif

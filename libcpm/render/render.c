@@ -32,7 +32,7 @@ static cpm_status gather_picture(const cpm_pass *pass, const cpm_photons *photon
     cpm_status status = CPM_OK;
     if (geometry) status = cpm_scene_prepare(context, pass->scene, 1, 0);
     if (!status) status = cpm_gather_begin(context, photons, geometry, o->nearest, o->max_radius, &gather);
-    if (!status) status = cpm_backend_native.eye(pass, &gather, o->seed, o->samples, image);
+    if (!status) status = cpm_backend_of(context)->eye(pass, &gather, o->seed, o->samples, image);
     image->stats.seconds_gather = cpm_seconds() - start;
     return status;
 }

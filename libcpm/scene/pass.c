@@ -183,7 +183,7 @@ cpm_status cpm_pass_take_bundles(cpm_pass *pass, double tolerance, int32_t neare
     if (!(tolerance >= 0.0 && tolerance <= MOST_TOLERANCE))
         return cpm_fail(pass->context, CPM_ERROR_INVALID_ARGUMENT, "bundle_tolerance is %g; allowed: 0 to %g",
                         tolerance, MOST_TOLERANCE);
-    pass->bundle_tolerance = tolerance;
+    pass->bundle_tolerance = pass->context->opencl ? 0.0 : tolerance; /* on a device each wavelength goes its own way */
     pass->nearest = nearest;
     return CPM_OK;
 }

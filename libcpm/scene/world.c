@@ -18,6 +18,8 @@ static cpm_world_frame frame_of(const cpm_pass *pass) {
     cpm_world_frame f = {.reach = pass->reach,
                          .bins = (int32_t)pass->bins,
                          .middle = pass->middle,
+                         .nudge = pass->nudge,
+                         .media = (int32_t)pass->scene->medium_count,
                          .bounded = pass->bounded,
                          .coarse = !pass->geometry->straight};
     memcpy(f.low, pass->extent.low, sizeof f.low), memcpy(f.high, pass->extent.high, sizeof f.high);
@@ -35,6 +37,12 @@ static void describe_media(const cpm_pass *pass, cpm_medium_data *media, const d
                                 .method = pass->method[m],
                                 .also = scene->media[m].also,
                                 .disperses = pass->disperses[m]};
+        if (scene->media[m].shape < 0) continue;
+        const shape *s = &scene->shapes[scene->media[m].shape];
+        places[m].is_sphere = s->is_sphere;
+        places[m].first = (int32_t)s->first, places[m].count = (int32_t)s->count;
+        memcpy(places[m].low, s->box.low, sizeof places[m].low);
+        memcpy(places[m].high, s->box.high, sizeof places[m].high);
     }
 }
 

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from . import _core
 from ._arrays import FloatArray, as_integer, as_number, as_points
 from ._progress import ProgressLike, reporting
+from .devices import device_index
 from .scene import Scene
 from .settings import MAX_BATCH, MAX_NEAREST, resolve
 from .status import feature_names, require_native
@@ -60,7 +61,8 @@ class PhotonMap:
         return self._photons.read(self._name, "bounce")
 
     def irradiance(self, points: npt.ArrayLike, normals: npt.ArrayLike, nearest: int = 150,
-                   max_radius: float | None = None, threads: int = 0, progress: ProgressLike = False) -> FloatArray:
+                   max_radius: float | None = None, threads: int = 0, progress: ProgressLike = False,
+                   backend: str = "native") -> FloatArray:
         """Irradiance estimated from the nearest photons.
 
         Parameters
@@ -73,6 +75,8 @@ class PhotonMap:
             Metres; default the scene's diagonal. With fewer than k inside it, all of them count.
         threads : int
             0: all.
+        backend : str
+            As :func:`trace_photons` has it: where the photons are searched. The results are equal.
 
         Returns
         -------
@@ -90,7 +94,8 @@ class PhotonMap:
         with reporting(progress) as report:
             return self._photons.irradiance(map=self._name, points=where, normals=sides,
                                             nearest=as_integer(nearest, "nearest", 2, MAX_NEAREST), max_radius=radius,
-                                            threads=as_integer(threads, "threads", 0, 1024), progress=report)
+                                            threads=as_integer(threads, "threads", 0, 1024),
+                                            device=device_index(backend), progress=report)
 
 
 class Photons:
@@ -150,7 +155,10 @@ def trace_photons(scene: Scene, photons: int | None = None, *, seed: int | None 
         0: chosen.
     progress : bool or callable
         True: a bar; a callable gets ``(stage, fraction)``.
-    backend : {"native"}
+    backend : str
+        "native": the processor's threads. "opencl": the first OpenCL device that serves; "opencl:1" or "opencl:name":
+        the one of that number or with that in its name (:func:`cpm.devices`). The same seed gives the same photons;
+        each wavelength goes its own way there, as with ``bundle_tolerance=0``.
     precision : {"double"}
 
     Returns
@@ -164,7 +172,9 @@ def trace_photons(scene: Scene, photons: int | None = None, *, seed: int | None 
     """
     if not isinstance(scene, Scene):
         raise TypeError(f"scene is {scene!r}; a cpm.Scene is needed")
-    require_native(backend, precision)
+    device = device_index(backend)
+    if precision != "double":
+        require_native("native", precision)
     settings = resolve(scene.render_defaults, photons=photons, seed=seed, wavelengths=wavelengths,
                        bundle_tolerance=bundle_tolerance)
     with reporting(progress) as report:
@@ -172,7 +182,7 @@ def trace_photons(scene: Scene, photons: int | None = None, *, seed: int | None 
                                      wavelengths=settings.wavelengths, projection=bool(projection),
                                      bundle_tolerance=settings.bundle_tolerance,
                                      batch=as_integer(batch, "batch", 0, MAX_BATCH),
-                                     threads=as_integer(threads, "threads", 0, 1024), progress=report)
+                                     threads=as_integer(threads, "threads", 0, 1024), device=device, progress=report)
     return Photons(handle, settings.wavelengths, settings.bins)
 
 

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from . import _core
 from ._arrays import as_integer, as_number
 from ._progress import ProgressLike, reporting
+from .devices import device_index
 from .image import Image
 from .lights import Environment, Sun, light_spectrum
 from .photons import Photons
@@ -46,7 +47,10 @@ def render(scene: Scene, size: tuple[int, int] | None = None, photons: int | Pho
         Eye rays a pixel; default 1, through its middle. More cover it evenly: four smooth the stairs on edges.
     seed : int, optional
         Default 0. The picture does not depend on threads or batch.
-    backend : {"native"}
+    backend : str
+        "native": the processor's threads. "opencl": the first OpenCL device that serves; "opencl:1" or "opencl:name":
+        the one of that number or with that in its name (:func:`cpm.devices`). The same seed gives the same picture, but
+        for rounding.
     precision : {"double"}
     threads, batch : int
         0: chosen.
@@ -87,7 +91,9 @@ def render(scene: Scene, size: tuple[int, int] | None = None, photons: int | Pho
     """
     if not isinstance(scene, Scene):
         raise TypeError(f"scene is {scene!r}; a cpm.Scene is needed")
-    require_native(backend, precision)
+    device = device_index(backend)
+    if precision != "double":
+        require_native("native", precision)
     traced, count = _which_photons(photons, photon_map)
     if traced is not None:
         if wavelengths is not None:
@@ -105,7 +111,7 @@ def render(scene: Scene, size: tuple[int, int] | None = None, photons: int | Pho
                               samples=settings.samples, max_radius=settings.max_radius, projection=bool(projection),
                               edge_correction=bool(edge_correction), bundle_tolerance=settings.bundle_tolerance,
                               batch=as_integer(batch, "batch", 0, MAX_BATCH),
-                              threads=as_integer(threads, "threads", 0, 1024), progress=report)
+                              threads=as_integer(threads, "threads", 0, 1024), device=device, progress=report)
     image = Image._of(handle, settings.bins)
     if not image.data.any():
         warnings.warn(f"the picture is black: {_why_black(scene, image.stats, settings.wavelengths)}", stacklevel=2)

@@ -5,11 +5,13 @@ rounding.  Adaptive methods control local errors, which add up over a path, so t
 the tolerance: SciPy's DOP853 needs about as much on these cases.
 """
 
+import functools
+
 import numpy as np
 import pytest
-from oracles import layers
+from oracles import central, layers
 from oracles import rays as oracle
-from oracles.cases import CASES, STEP_HEIGHTS, STEP_N
+from oracles.cases import CASES, COARSE, STEP_HEIGHTS, STEP_N
 
 import cpm
 
@@ -181,3 +183,28 @@ def test_counters(name):
     assert np.all(loose.evaluations >= loose.steps) and np.all(loose.steps >= 1)
     assert tight.evaluations.sum() > loose.evaluations.sum()
     assert np.all(tight.drift <= 10 * 1e-9 * np.maximum(tight.steps, 1))
+
+
+@pytest.mark.parametrize("method", ["nystrom", "adams", "dopri5"])
+@pytest.mark.parametrize("name", ["layers", "lens"])
+def test_ends_just_beyond_a_kink(name, method):
+    """Rays that end a little beyond a face of layers, or the rim of a lens: what leads there says nothing of what follows.
+
+    The last step ends at the face, or just before it, and the ray 0 to 5 % of a step later.
+    """
+    case = CASES["layered-linear-squared"]
+    medium, origin, closed = case.make(cpm), case.origin, case.closed
+    if name == "lens":
+        medium, origin = cpm.media.Luneburg(1.0), (0.2, -0.1, 0.3)
+        closed = functools.partial(central.luneburg, 1.0, (0, 0, 0))
+    way = np.linspace(0.0, 2.5, 2501)
+    for aim in np.random.default_rng(1).normal(size=(20, 3)):
+        path = cpm.trace(medium, [origin], [aim], length=2.5, wavelength=WAVELENGTH, path=len(way)).paths[0]  # where it is met
+        side = np.linalg.norm(path, axis=1) < 1.0 if name == "lens" else np.searchsorted(COARSE, path[:, 1])
+        met = np.flatnonzero(np.diff(side.astype(int)))
+        if not len(met):
+            continue
+        beyond = way[met[0] + 1] * (1 + np.array([1e-4, 1e-3, 3e-3, 1e-2, 3e-2]))
+        rays = cpm.trace(medium, [origin] * len(beyond), aim, length=beyond, method=method, rtol=1e-9, wavelength=WAVELENGTH)
+        ends = [closed(origin, aim, length=length).position for length in beyond]
+        np.testing.assert_allclose(rays.position, ends, rtol=0, atol=3e-8)

@@ -134,11 +134,11 @@ static void cloud_free(cloud *c) {
 #define SCALE 0.125
 
 /* The tree takes the cloud's arrays. */
-static cpm_tree *tree_of(cloud *c, int32_t threads) {
+static cpm_map_tree *tree_of(cloud *c, int32_t threads) {
     const cpm_context_options options = {.struct_size = sizeof options, .threads = threads};
     cpm_context *context = NULL;
     assert_int_equal(cpm_context_create(&options, &context), CPM_OK);
-    cpm_tree *tree = NULL;
+    cpm_map_tree *tree = NULL;
     assert_ok(context,
               cpm_tree_build(context, c->photons, c->spectra, c->count, c->spectra_count, free, c->bins, SCALE, &tree));
     cpm_context_release(context);

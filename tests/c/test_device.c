@@ -223,16 +223,45 @@ static void a_device_stops_when_told(void **state) {
     cpm_context_release(context);
 }
 
-static void photons_and_pictures_are_refused_there(void **state) {
+/* Photons of the plain scene on a device that may use so many bytes; NULL where that is refused, as `status` says. */
+static cpm_photons *few_photons(cpm_context *context, cpm_scene *scene, uint64_t memory, cpm_status status) {
+    const cpm_device_options device = {.struct_size = sizeof device, .memory = memory};
+    const double wavelength = 550.0;
+    const cpm_photons_options options = {
+        .struct_size = sizeof options, .photons = 5000, .wavelengths = &wavelength, .wavelength_count = 1};
+    cpm_photons *photons = NULL;
+    assert_ok(context, cpm_context_set_device(context, &device));
+    assert_status(context, status, cpm_photons_trace(context, scene, &options, &photons));
+    return photons;
+}
+
+static void photons_come_in_parts_where_memory_is_small(void **state) {
     (void)state;
     cpm_context *context = new_context();
     cpm_scene *scene = plain_scene(context);
-    cpm_photons *photons = NULL;
-    const double wavelength = 550.0;
-    const cpm_photons_options options = {
-        .struct_size = sizeof options, .photons = 10, .wavelengths = &wavelength, .wavelength_count = 1};
-    use(context);
-    assert_refused_as(context, CPM_ERROR_UNSUPPORTED, photons, cpm_photons_trace(context, scene, &options, &photons));
+    cpm_photons *many = few_photons(context, scene, 0, CPM_OK), *few = few_photons(context, scene, 100000, CPM_OK);
+    const size_t count = cpm_photons_count(many, CPM_MAP_DIFFUSE);
+    assert_true(count > 1000);
+    assert_int_equal(cpm_photons_count(few, CPM_MAP_DIFFUSE), count);
+    double absorbed[2];
+    assert_ok(context, cpm_photons_energy(many, NULL, NULL, &absorbed[0], NULL, NULL));
+    assert_ok(context, cpm_photons_energy(few, NULL, NULL, &absorbed[1], NULL, NULL));
+    assert_true(fabs(absorbed[0] - absorbed[1]) <= 1e-12 * absorbed[0]);
+    cpm_photons_release(many), cpm_photons_release(few);
+    assert_null(few_photons(context, scene, 1000, CPM_ERROR_OUT_OF_MEMORY));
+    assert_true(strstr(cpm_context_last_error(context), "allow more memory") != NULL);
+    cpm_scene_release(scene);
+    cpm_context_release(context);
+}
+
+static void photons_stop_when_told(void **state) {
+    (void)state;
+    int calls = 0;
+    cpm_context *context = new_context();
+    cpm_scene *scene = plain_scene(context);
+    assert_ok(context, cpm_context_set_progress(context, no_more, &calls));
+    assert_null(few_photons(context, scene, 0, CPM_ERROR_CANCELLED));
+    assert_true(calls > 0);
     cpm_scene_release(scene);
     cpm_context_release(context);
 }
@@ -258,7 +287,8 @@ int main(void) {
         cmocka_unit_test(programs_are_compiled_once),
         cmocka_unit_test(a_callers_queue_serves),
         cmocka_unit_test(a_device_stops_when_told),
-        cmocka_unit_test(photons_and_pictures_are_refused_there),
+        cmocka_unit_test(photons_come_in_parts_where_memory_is_small),
+        cmocka_unit_test(photons_stop_when_told),
         cmocka_unit_test(a_source_is_one_text),
     };
     return cmocka_run_group_tests(tests, make_cache, NULL);

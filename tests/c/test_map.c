@@ -75,9 +75,9 @@ static void close_to(double got, double wanted, double relative, const char *wha
         fail_msg("%s, query %u: %s is %.17g, wanted %.17g", shape_names[s], i, what, got, wanted);
 }
 
-static void check_queries(const cloud *c, const cpm_tree *tree, shape s, uint32_t queries, int32_t k,
+static void check_queries(const cloud *c, const cpm_map_tree *tree, shape s, uint32_t queries, int32_t k,
                           double max_radius) {
-    cpm_query *query = cpm_query_create(tree);
+    cpm_map_query *query = cpm_query_create(tree);
     assert_non_null(query);
     double got[64], wanted[64];
     for (uint32_t i = 0; i < queries; i++) {
@@ -110,7 +110,7 @@ static void against_brute_force(void **state) {
         const size_t bins = s == CUBE ? 16 : 1 + (size_t)s * 2;
         cloud c = cloud_make((shape)s, 5000, bins, s % 3 == 0 ? 3 : 0, 0);
         cloud copy = cloud_copy(&c);
-        cpm_tree *tree = tree_of(&copy, 1);
+        cpm_map_tree *tree = tree_of(&copy, 1);
         check_queries(&c, tree, (shape)s, 64, 50, INFINITY);
         check_queries(&c, tree, (shape)s, 32, 2, INFINITY);
         check_queries(&c, tree, (shape)s, 8, 1, INFINITY);
@@ -127,7 +127,7 @@ static void every_small_size(void **state) {
     for (size_t count = 1; count < 400; count = count < 70 ? count + 1 : count + 37) {
         cloud c = cloud_make(count % 2 ? SHELL : LATTICE, count, 3, 2, 0);
         cloud copy = cloud_copy(&c);
-        cpm_tree *tree = tree_of(&copy, 2);
+        cpm_map_tree *tree = tree_of(&copy, 2);
         check_queries(&c, tree, count % 2 ? SHELL : LATTICE, 6, 5, INFINITY);
         check_queries(&c, tree, count % 2 ? SHELL : LATTICE, 6, 10000, INFINITY); /* more than there are */
         check_queries(&c, tree, count % 2 ? SHELL : LATTICE, 6, INT32_MAX, 4.0);
@@ -143,7 +143,7 @@ static void large_clouds(void **state) {
     for (size_t s = 0; s < sizeof shapes / sizeof *shapes; s++) {
         cloud c = cloud_make(shapes[s], 300000, 2, 0, 0);
         cloud copy = cloud_copy(&c);
-        cpm_tree *tree = tree_of(&copy, 3);
+        cpm_map_tree *tree = tree_of(&copy, 3);
         check_queries(&c, tree, shapes[s], 3, 150, INFINITY);
         check_queries(&c, tree, shapes[s], 1, 10000, INFINITY);
         cpm_tree_free(tree);
@@ -156,11 +156,11 @@ static void large_clouds(void **state) {
 #define MANY 400
 
 /* Radius and irradiance of MANY queries, asked from last to first where `backwards`. */
-static double *answers(const cpm_tree *tree, shape s, int32_t k, int backwards, const cpm_search *search,
+static double *answers(const cpm_map_tree *tree, shape s, int32_t k, int backwards, const cpm_search *search,
                        const cloud *places) {
     const size_t row = tree->bins + 1;
     double *out = calloc(MANY * row, sizeof *out);
-    cpm_query *query = cpm_query_create(tree);
+    cpm_map_query *query = cpm_query_create(tree);
     assert_non_null(out);
     assert_non_null(query);
     if (search) query->search = search;
@@ -180,11 +180,11 @@ static void order_threads_and_guesses_do_not_matter(void **state) {
     for (size_t s = 0; s < sizeof shapes / sizeof *shapes; s++) {
         const unsigned split = s % 2 ? 4 : 0;
         cloud places = cloud_make(shapes[s], 150000, 5, split, 0), first = cloud_copy(&places);
-        cpm_tree *tree = tree_of(&first, 1);
+        cpm_map_tree *tree = tree_of(&first, 1);
         double *wanted = answers(tree, shapes[s], 60, 0, NULL, &places);
         for (int32_t threads = 1; threads <= 4; threads++) {
             cloud c = cloud_make(shapes[s], 150000, 5, split, (uint64_t)threads);
-            cpm_tree *other = tree_of(&c, threads);
+            cpm_map_tree *other = tree_of(&c, threads);
             assert_int_equal(cpm_tree_bytes(other), cpm_tree_bytes(tree));
             assert_memory_equal(other->photons, tree->photons, tree->count * sizeof *tree->photons);
             assert_memory_equal(other->spectra, tree->spectra, tree->spectra_count * sizeof *tree->spectra);
@@ -208,7 +208,7 @@ static void instruction_sets_agree(void **state) {
     const size_t bins[] = {1, 16, 23};
     for (int s = VOLUME; s <= LINE; s++) {
         cloud places = cloud_make((shape)s, 20000, bins[s % 3], s % 4 == 3 ? 2 : 0, 0), c = cloud_copy(&places);
-        cpm_tree *tree = tree_of(&c, 2);
+        cpm_map_tree *tree = tree_of(&c, 2);
         const int32_t ks[] = {2, 33, 150, 9999}; /* 9999: sums that need not be exact */
         for (size_t k = 0; k < sizeof ks / sizeof *ks; k++) {
             double *wanted = answers(tree, (shape)s, ks[k], 0, cpm_search_for(CPM_ISA_BASELINE), &places);
@@ -229,9 +229,9 @@ static void instruction_sets_agree(void **state) {
 static void nothing_in_it(void **state) {
     (void)state;
     cloud c = {.bins = 4};
-    cpm_tree *tree = tree_of(&c, 2);
+    cpm_map_tree *tree = tree_of(&c, 2);
     assert_int_equal(cpm_tree_bytes(tree), 0);
-    cpm_query *query = cpm_query_create(tree);
+    cpm_map_query *query = cpm_query_create(tree);
     assert_non_null(query);
     const float point[3] = {0}, normal[3] = {0.0f, 0.0f, 1.0f};
     double irradiance[4] = {1.0, 2.0, 3.0, 4.0};
@@ -247,8 +247,8 @@ static void nothing_in_it(void **state) {
 static void a_million_in_one_point(void **state) {
     (void)state;
     cloud c = cloud_make(POINT, 1000000, 1, 0, 5), places = {.bins = 1};
-    cpm_tree *tree = tree_of(&c, 2);
-    cpm_query *query = cpm_query_create(tree);
+    cpm_map_tree *tree = tree_of(&c, 2);
+    cpm_map_query *query = cpm_query_create(tree);
     assert_non_null(query);
     const float normal[3] = {0.0f, 0.0f, 1.0f}, beside[3] = {0.25f, -3.0f, 1.0f}, behind[3] = {0.0f, 0.0f, -1.0f};
     const float there[3] = {0.25f, -3.5f, 1.0f};
@@ -273,8 +273,8 @@ static void a_million_in_one_point(void **state) {
 static void radii_of_no_use(void **state) {
     (void)state;
     cloud c = cloud_make(CUBE, 3000, 2, 0, 0);
-    cpm_tree *tree = tree_of(&c, 1);
-    cpm_query *query = cpm_query_create(tree);
+    cpm_map_tree *tree = tree_of(&c, 1);
+    cpm_map_query *query = cpm_query_create(tree);
     assert_non_null(query);
     const float inside[3] = {0.5f, 0.5f, 0.5f}, normal[3] = {0.0f, 0.0f, 1.0f};
     const float *at = tree->photons[7].position;
@@ -314,7 +314,7 @@ static void bad_photons_are_refused(void **state) {
         if (bad == 4) c.photons[60].spectrum = 397;
         if (bad == 5) c.photons[60].bin = 4;
         if (bad == 6) c.photons[60].bin = 2 + 256 * 2; /* bins 2, 3 and 4, of four */
-        cpm_tree *tree = NULL;
+        cpm_map_tree *tree = NULL;
         const cpm_status status =
             cpm_tree_build(context, c.photons, c.spectra, c.count, c.spectra_count, free, bins, SCALE, &tree);
         assert_int_equal(status, bad < 2 ? CPM_ERROR_INVALID_ARGUMENT : CPM_ERROR_INTERNAL);

@@ -81,7 +81,7 @@ class HohenkerkSinclair:
         return total * ARC_SECOND
 
 
-def bend(index, start, zenith, top):
+def bend(index, start, zenith, top, rtol=1e-12):
     """Refraction (radians) of the ray from radius `start` until it passes radius `top`, or None if it never does.
 
     index(r) gives (n − 1, dn/dr). dr = cos ψ dl, dψ = −sin ψ (1/r + n'/n) dl, dR = −(n'/n) sin ψ dl.
@@ -102,8 +102,8 @@ def bend(index, start, zenith, top):
         (0, 4e6),
         [start, np.radians(zenith), 0.0],
         method="DOP853",
-        rtol=1e-12,
-        atol=[1e-6, 1e-14, 1e-14],
+        rtol=rtol,
+        atol=[1e6 * rtol, 1e-2 * rtol, 1e-2 * rtol],
         events=out,
         max_step=2e4,
     )

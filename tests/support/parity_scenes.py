@@ -125,6 +125,7 @@ def scenes():
         "glass": (lambda: glass_room("BK7"), True),
         "glass_mesh_area": (lambda: glass_room("BK7", "area", mesh=True), True),
         "dispersion_curved": (lambda: glass_room("SF11", medium=m.LinearSquared(1.21, (0, -0.1, 0))), True),
+        "dispersive_area": (lambda: lit(box_room(m.LinearSquared(1.69, (0, -0.2, 0), dispersion="BK7")), "area"), True),
         "dispersive_air": (lambda: lit(box_room(m.LinearSquared(1.69, (0, -0.2, 0), dispersion="BK7"))), True),
         "mirrors": (lambda: mirror_room(), True),
         "mirrors_curved": (lambda: mirror_room(linear2()), True),

@@ -19,7 +19,9 @@ cpm_status cpm_context_set_device(cpm_context *context, const cpm_device_options
     cpm_device_options o = {.struct_size = sizeof o};
     if (options) CPM_TAKE(o, options);
     cpm_opencl_close(context);
-    return options ? cpm_opencl_open(context, o.device, o.opencl_context, o.opencl_queue) : CPM_OK;
+    const cpm_status status = options ? cpm_opencl_open(context, o.device, o.opencl_context, o.opencl_queue) : CPM_OK;
+    if (options && !status) cpm_opencl_allow(context, o.memory);
+    return status;
 }
 
 #ifdef CPM_OPENCL_HEADERS_VERSION
@@ -27,6 +29,7 @@ cpm_status cpm_context_set_device(cpm_context *context, const cpm_device_options
 
 #define MAX_PLATFORMS 32
 #define MAX_DEVICES 64
+#define MEMORY_SHARE 4 /* part of a device's memory that is used where nothing is said */
 
 /* Every device of every platform; a platform that fails has none. */
 static size_t all_devices(const cpm_cl_functions *cl, cl_device_id devices[MAX_DEVICES]) {
@@ -90,6 +93,10 @@ cl_mem cpm_opencl_buffer(const cpm_opencl *o, cl_mem_flags flags, size_t size, c
                                         size ? size : sizeof nothing, (void *)(uintptr_t)from, code);
     return *code == CL_SUCCESS ? buffer : NULL;
 }
+
+uint64_t cpm_opencl_budget(const cpm_opencl *o) { return o->budget ? o->budget : o->memory / MEMORY_SHARE; }
+
+void cpm_opencl_allow(cpm_context *context, uint64_t bytes) { ((cpm_opencl *)context->opencl)->budget = bytes; }
 
 void cpm_opencl_lock(cpm_opencl *o) {
     while (atomic_flag_test_and_set_explicit(&o->lock, memory_order_acquire)) {}
@@ -219,6 +226,8 @@ cpm_status cpm_opencl_open(cpm_context *context, int32_t device, void *caller_co
 }
 
 void cpm_opencl_close(cpm_context *context) { (void)context; }
+
+void cpm_opencl_allow(cpm_context *context, uint64_t bytes) { (void)context, (void)bytes; }
 
 cpm_status cpm_device_count(cpm_context *context, size_t *count) {
     if (!context) return CPM_ERROR_INVALID_ARGUMENT;

@@ -16,6 +16,7 @@ typedef struct cpm_opencl {
     char name[128], driver[64], version[64];
     int32_t units, is_cpu;
     uint64_t memory, largest; /* bytes: all, and of one buffer */
+    uint64_t budget;          /* bytes that the caller allows; 0: not said */
     cpm_program *programs;    /* built so far */
     cpm_device_stats stats;
     atomic_flag lock; /* guards programs and the queue: one call at a time */
@@ -23,6 +24,8 @@ typedef struct cpm_opencl {
 
 /* A buffer with the contents, if any; NULL with `code` set where it cannot be had. Sizes of 0 are made 8. */
 cl_mem cpm_opencl_buffer(const cpm_opencl *opencl, cl_mem_flags flags, size_t size, const void *contents, cl_int *code);
+/* Bytes that may be used. */
+uint64_t cpm_opencl_budget(const cpm_opencl *opencl);
 void cpm_opencl_lock(cpm_opencl *opencl);
 void cpm_opencl_unlock(cpm_opencl *opencl);
 
@@ -34,4 +37,6 @@ cpm_status cpm_opencl_failed(cpm_context *context, const cpm_opencl *opencl, con
  */
 cpm_status cpm_opencl_open(cpm_context *context, int32_t device, void *caller_context, void *caller_queue);
 void cpm_opencl_close(cpm_context *context);
+/* Bytes that the open device may be used for; 0: chosen. */
+void cpm_opencl_allow(cpm_context *context, uint64_t bytes);
 #endif

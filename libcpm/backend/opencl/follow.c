@@ -110,4 +110,63 @@ cl_int cpm_opencl_follow(const cpm_opencl_follow_plan *plan, cl_mem flights, cl_
         code = start(plan, plan->behind, NULL, flights, arrivals, counts, items, share);
     return code;
 }
+
+/* ------------------------------------------------------------------------------------------- the host's flights */
+
+#define SLICE 65536 /* flights on the device at a time */
+
+static cl_int follow_slice(const cpm_opencl_follow_plan *plan, const cpm_flight *flights, size_t count, size_t items,
+                           cpm_arrival *arrivals) {
+    const cpm_opencl *o = plan->world->pass->context->opencl;
+    const size_t share = (count + items - 1) / items;
+    cl_int code = CL_SUCCESS, other = CL_SUCCESS, *counts = calloc(items, sizeof *counts);
+    if (!counts) return CL_OUT_OF_HOST_MEMORY;
+    for (size_t i = 0; i < items; i++) {
+        const size_t left = i * share < count ? count - i * share : 0;
+        counts[i] = (cl_int)(left < share ? left : share);
+    }
+    cl_mem buffers[3];
+    buffers[0] = cpm_opencl_buffer(o, CL_MEM_READ_ONLY, count * sizeof *flights, flights, &code);
+    buffers[1] = cpm_opencl_buffer(o, CL_MEM_READ_WRITE, count * sizeof *arrivals, NULL, &other);
+    if (code == CL_SUCCESS) code = other;
+    buffers[2] = cpm_opencl_buffer(o, CL_MEM_READ_ONLY, items * sizeof *counts, counts, &other);
+    if (code == CL_SUCCESS) code = other;
+    if (code == CL_SUCCESS)
+        code = cpm_opencl_follow(plan, buffers[0], buffers[1], buffers[2], items, (cl_int)share);
+    if (code == CL_SUCCESS)
+        code = o->cl->EnqueueReadBuffer(o->queue, buffers[1], CL_TRUE, 0, count * sizeof *arrivals, arrivals, 0, NULL,
+                                        NULL);
+    o->cl->Finish(o->queue);
+    for (int i = 0; i < 3; i++)
+        if (buffers[i]) o->cl->ReleaseMemObject(buffers[i]);
+    free(counts);
+    return code;
+}
+
+cpm_status cpm_opencl_follow_all(const cpm_pass *pass, const cpm_flight *flights, size_t count, cpm_arrival *arrivals) {
+    cpm_context *context = pass->context;
+    cpm_opencl *o = context->opencl;
+    cpm_opencl_world world = {0};
+    cpm_opencl_follow_plan plan = {0};
+    cpm_opencl_lock(o);
+    cpm_status status = cpm_opencl_world_open(pass, &world);
+    if (!status) status = cpm_opencl_follow_open(&world, &plan);
+    for (size_t i = 0; i < count && !status; i += SLICE) {
+        const size_t now = count - i < SLICE ? count - i : SLICE;
+        const size_t most = o->is_cpu ? (size_t)o->units * CPM_ITEMS_A_UNIT : now;
+        const cl_int code = follow_slice(&plan, flights + i, now, now < most ? now : most, arrivals + i);
+        if (code != CL_SUCCESS) status = cpm_opencl_failed(context, o, "following rays", code);
+    }
+    cpm_opencl_follow_close(&plan);
+    cpm_opencl_world_close(&world);
+    cpm_opencl_unlock(o);
+    return status;
+}
+
+#else
+cpm_status cpm_opencl_follow_all(const cpm_pass *pass, const cpm_flight *flights, size_t count, cpm_arrival *arrivals) {
+    (void)flights, (void)count, (void)arrivals;
+    return cpm_fail(pass->context, CPM_ERROR_UNSUPPORTED,
+                    "this library was built without OpenCL; use the native backend");
+}
 #endif

@@ -21,6 +21,9 @@
 #define CPM_OPENCL_FOLLOW_H
 #include "world.h"
 
+/* All of that in one call, for flights and arrivals of the host's; locks the device. */
+cpm_status cpm_opencl_follow_all(const cpm_pass *pass, const cpm_flight *flights, size_t count, cpm_arrival *arrivals);
+
 #ifdef CPM_OPENCL_HEADERS_VERSION
 #define CPM_ITEMS_A_UNIT 16
 

@@ -12,7 +12,8 @@
         X(RetainCommandQueue) X(ReleaseCommandQueue) X(GetCommandQueueInfo) X(CreateProgramWithSource)                 \
             X(CreateProgramWithBinary) X(BuildProgram) X(GetProgramBuildInfo) X(GetProgramInfo) X(ReleaseProgram)      \
                 X(CreateKernel) X(ReleaseKernel) X(SetKernelArg) X(CreateBuffer) X(ReleaseMemObject)                   \
-                    X(EnqueueWriteBuffer) X(EnqueueReadBuffer) X(EnqueueNDRangeKernel) X(Finish)
+                    X(EnqueueWriteBuffer) X(EnqueueReadBuffer) X(EnqueueMapBuffer) X(EnqueueUnmapMemObject)           \
+                        X(EnqueueFillBuffer) X(EnqueueNDRangeKernel) X(Flush) X(Finish)
 
 typedef struct cpm_cl_functions {
 #define CPM_CL_MEMBER(name) __typeof__(cl##name) *name;

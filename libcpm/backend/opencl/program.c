@@ -15,6 +15,7 @@ struct cpm_program {
     char key[KEY_SIZE];
     char function[64];
     cl_program program;
+    int owns; /* the program; else another entry's, further down the list */
     cl_kernel kernel;
     cpm_program *next;
 };
@@ -86,13 +87,17 @@ cpm_status cpm_program_kernel(cpm_context *context, const char *name, const char
                       (unsigned long long)cpm_hash(CPM_HASH_START, source, size), options, o->name, o->version,
                       o->driver) >= (int)sizeof p->key)
         status = cpm_fail(context, CPM_ERROR_INTERNAL, "the build options of kernels/%s.cl are too long", name);
-    for (cpm_program *q = o->programs; q && status == CPM_OK; q = q->next)
-        if (!strcmp(q->key, p->key) && !strcmp(q->function, function)) {
+    for (cpm_program *q = o->programs; q && status == CPM_OK; q = q->next) {
+        if (strcmp(q->key, p->key)) continue;
+        if (!strcmp(q->function, function)) {
             *kernel = q->kernel;
             free(p), free(source);
             return CPM_OK;
         }
-    if (status == CPM_OK) {
+        p->program = q->program;
+    }
+    if (status == CPM_OK && !p->program) {
+        p->owns = 1;
         p->program = from_binary(o, p->key, options);
         o->stats.cached += p->program != NULL;
         if (!p->program) {
@@ -109,7 +114,7 @@ cpm_status cpm_program_kernel(cpm_context *context, const char *name, const char
         snprintf(p->function, sizeof p->function, "%s", function);
         p->kernel = o->cl->CreateKernel(p->program, function, &code);
         if (code != CL_SUCCESS) {
-            o->cl->ReleaseProgram(p->program);
+            if (p->owns) o->cl->ReleaseProgram(p->program);
             status = cpm_opencl_failed(context, o, "making a kernel", code);
         }
     }
@@ -130,7 +135,7 @@ void cpm_programs_free(cpm_opencl *o) {
         cpm_program *p = o->programs;
         o->programs = p->next;
         o->cl->ReleaseKernel(p->kernel);
-        o->cl->ReleaseProgram(p->program);
+        if (p->owns) o->cl->ReleaseProgram(p->program);
         free(p);
     }
 }

@@ -11,7 +11,6 @@
 
 #define SLICE 262144    /* rays between two looks at the progress callback */
 #define ITEMS_A_UNIT 16 /* work-items: enough to share out, few enough to fill their lanes */
-#define MEMORY_SHARE 4  /* part of the device's memory that a slice may take */
 
 enum { MEDIUM, TABLE, CONTROL, GOAL, STARTS, ENDS, POSITIONS, BUFFERS };
 
@@ -35,7 +34,7 @@ static cl_int buffer(const cpm_opencl *o, slice_buffers *b, int which, cl_mem_fl
 static int64_t slice_of(const cpm_opencl *o, int64_t samples, int64_t count) {
     const uint64_t ray = sizeof(cpm_ray_start) + sizeof(cpm_ray_end), path = 24 * (uint64_t)samples;
     const uint64_t each = ray + path, most = path > sizeof(cpm_ray_end) ? path : sizeof(cpm_ray_end);
-    uint64_t fit = o->memory / MEMORY_SHARE / each, largest = o->largest / most;
+    uint64_t fit = cpm_opencl_budget(o) / each, largest = o->largest / most;
     if (fit > largest) fit = largest;
     if (fit > SLICE) fit = SLICE;
     if (fit > (uint64_t)count) fit = (uint64_t)count;

@@ -32,6 +32,8 @@ typedef struct cpm_device_options {
     int32_t reserved;     /* 0 */
     void *opencl_context; /* the caller's cl_context, to share; NULL: one of our own */
     void *opencl_queue;   /* the caller's cl_command_queue, in order; NULL: one of our own */
+    uint64_t memory;      /* bytes of the device that may be used; 0: a quarter of what it has. What needs more comes in
+                             parts */
 } cpm_device_options;
 
 /* From now on the context computes on that device; NULL: on the processor's threads again. Call it before the context

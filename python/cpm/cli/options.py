@@ -51,7 +51,7 @@ Samples = Annotated[int | None, typer.Option("--samples", metavar="N", help="Eye
 BundleTolerance = Annotated[float | None, typer.Option(
     "--bundle-tolerance", metavar="F", show_default="the scene's", help="Pixels, and radii of an estimate: where a medium "
     "disperses, wavelengths nearer than that share one path. 0: none do.")]
-Backend = Annotated[str, typer.Option("--backend", metavar="NAME", help="native.")]
+Backend = Annotated[str, typer.Option("--backend", metavar="NAME", help="native, opencl, opencl:NUMBER or opencl:NAME (cpm info lists devices).")]
 Precision = Annotated[str, typer.Option("--precision", metavar="NAME", help="double.")]
 Seed = Annotated[int | None, typer.Option("--seed", metavar="N", help="Of the random numbers.",
                                           show_default="the scene's")]
