@@ -151,7 +151,16 @@ void bind_medium(py::module_ &module) {
         .def("n", &dispersion_n, arg("wavelengths"));
 
     py::class_<Medium, std::shared_ptr<Medium>>(module, "Medium")
-        .def("evaluate", &evaluate, arg("points"), arg("wavelength"));
+        .def("evaluate", &evaluate, arg("points"), arg("wavelength"))
+        .def(
+            "set_extinction",
+            [](Medium &medium, const Doubles &wavelengths, const Doubles &values) {
+                if (wavelengths.size() != values.size()) throw py::value_error("as many values as wavelengths");
+                Context context;
+                context.check(cpm_medium_set_extinction(context.get(), medium.handle.get(), wavelengths.data(),
+                                                        values.data(), static_cast<size_t>(values.size())));
+            },
+            arg("wavelengths"), arg("values"));
 
     module.attr("INTERPOLATION") =
         py::dict(arg("linear") = int{CPM_INTERPOLATION_LINEAR}, arg("cubic") = int{CPM_INTERPOLATION_CUBIC},

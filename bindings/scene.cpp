@@ -114,6 +114,64 @@ int32_t add_light(Scene &scene, int32_t kind, const Spectrum &emission, const Po
     return light;
 }
 
+/* Keeps what a descriptor of a far light points at. */
+struct Far {
+    cpm_light_desc desc{};
+    cpm_box aim{};
+};
+void describe_far(Far &far, int32_t kind, const std::optional<std::pair<Point, Point>> &aim) {
+    far.desc.struct_size = sizeof far.desc;
+    far.desc.kind = kind;
+    far.desc.shape = -1;
+    if (!aim) return;
+    far.aim = make_box(aim->first, aim->second);
+    far.desc.aim = &far.aim;
+}
+
+int32_t add_far(Scene &scene, const Far &far) {
+    int32_t light = -1;
+    scene.context->check(cpm_scene_add_light(scene.handle.get(), &far.desc, &light));
+    return light;
+}
+
+int32_t add_sun(Scene &scene, const Point &direction, double radius, const Spectrum &radiance,
+                const std::optional<Doubles> &limb, const std::optional<std::pair<Point, Point>> &aim) {
+    Far far;
+    describe_far(far, CPM_LIGHT_SUN, aim);
+    copy(direction, far.desc.target);
+    far.desc.cutoff = radius;
+    far.desc.emission = radiance.view();
+    if (limb) {
+        far.desc.limb = limb->data();
+        far.desc.limb_count = static_cast<size_t>(limb->size() / 7);
+    }
+    return add_far(scene, far);
+}
+
+int32_t add_environment(Scene &scene, const Spectrum &radiance, const std::optional<std::pair<Point, Point>> &aim) {
+    Far far;
+    describe_far(far, CPM_LIGHT_ENVIRONMENT, aim);
+    far.desc.emission = radiance.view();
+    return add_far(scene, far);
+}
+
+int32_t add_sky_image(Scene &scene, const Doubles &wavelengths,
+                      const py::array_t<float, py::array::c_style | py::array::forcecast> &pixels, const Point &up,
+                      const Point &north, const std::optional<std::pair<Point, Point>> &aim) {
+    if (pixels.ndim() != 3 || pixels.shape(2) != wavelengths.size())
+        throw py::value_error("pixels must be (height, width, bins), with as many wavelengths");
+    Far far;
+    describe_far(far, CPM_LIGHT_ENVIRONMENT, aim);
+    copy(north, far.desc.target);
+    copy(up, far.desc.up);
+    far.desc.pixels = pixels.data();
+    far.desc.height = static_cast<int32_t>(pixels.shape(0));
+    far.desc.width = static_cast<int32_t>(pixels.shape(1));
+    far.desc.emission.wavelengths = wavelengths.data();
+    far.desc.emission.count = static_cast<size_t>(wavelengths.size());
+    return add_far(scene, far);
+}
+
 void set_camera(Scene &scene, const Point &origin, const Point &target, const Point &up, double fov) {
     cpm_camera camera{};
     camera.struct_size = sizeof camera;
@@ -133,8 +191,8 @@ py::tuple extent(Scene &scene) {
 
 uint32_t features(Scene &scene, const Doubles &wavelengths) {
     uint32_t bits = 0;
-    scene.context->check(cpm_scene_features(scene.handle.get(), wavelengths.data(),
-                                            static_cast<size_t>(wavelengths.size()), &bits));
+    scene.context->check(
+        cpm_scene_features(scene.handle.get(), wavelengths.data(), static_cast<size_t>(wavelengths.size()), &bits));
     return bits;
 }
 
@@ -152,6 +210,8 @@ py::dict feature_bits() {
     bits["area_lights"] = CPM_FEATURE_AREA_LIGHTS;
     bits["projection"] = CPM_FEATURE_PROJECTION;
     bits["delta_lights"] = CPM_FEATURE_DELTA_LIGHTS;
+    bits["sky"] = CPM_FEATURE_SKY;
+    bits["extinction"] = CPM_FEATURE_EXTINCTION;
     return bits;
 }
 
@@ -165,14 +225,22 @@ void bind_materials(py::module_ &module) {
     py::class_<Material>(module, "Material");
     module.def("black", [] { return Material{}; });
     module.def(
-        "diffuse", [](Spectrum reflectance) { return Material{CPM_MATERIAL_DIFFUSE, std::move(reflectance), nullptr}; },
+        "diffuse",
+        [](Spectrum reflectance) {
+            return Material{CPM_MATERIAL_DIFFUSE, std::move(reflectance), nullptr};
+        },
         arg("reflectance"));
     module.def(
-        "mirror", [](Spectrum reflectance) { return Material{CPM_MATERIAL_MIRROR, std::move(reflectance), nullptr}; },
+        "mirror",
+        [](Spectrum reflectance) {
+            return Material{CPM_MATERIAL_MIRROR, std::move(reflectance), nullptr};
+        },
         arg("reflectance"));
     module.def(
         "dielectric",
-        [](std::shared_ptr<Medium> interior) { return Material{CPM_MATERIAL_DIELECTRIC, {}, std::move(interior)}; },
+        [](std::shared_ptr<Medium> interior) {
+            return Material{CPM_MATERIAL_DIELECTRIC, {}, std::move(interior)};
+        },
         arg("interior"));
 }
 
@@ -231,6 +299,11 @@ void bind_scene(py::module_ &module) {
                 return add_light(scene, CPM_LIGHT_AREA, radiance, Point{}, Point{}, 0.0, shape);
             },
             arg("shape"), arg("radiance"))
+        .def("add_sun", &add_sun, arg("direction"), arg("radius"), arg("radiance"), arg("limb").none(true),
+             arg("aim").none(true))
+        .def("add_environment", &add_environment, arg("radiance"), arg("aim").none(true))
+        .def("add_sky_image", &add_sky_image, arg("wavelengths"), arg("pixels"), arg("up"), arg("north"),
+             arg("aim").none(true))
         .def("set_camera", &set_camera, arg("origin"), arg("target"), arg("up"), arg("fov"))
         .def("extent", &extent)
         .def("features", &features, arg("wavelengths"));

@@ -484,24 +484,27 @@ typedef int8 wide_mask;
 #define wide_max(a, b) select(b, a, (a) > (b))
 #define wide_abs(a) fabs(a)
 #define wide_along(a, b, c) ((a) * (b) + (c))
+#if defined(__AVX__) && defined(__clang__) && __has_builtin(__builtin_ia32_movmskps256)
+typedef float cpm_wide_register __attribute__((vector_size(32)));
+CPM_INLINE cpm_u32 wide_bits(wide_mask mask) {
+    return (cpm_u32)__builtin_ia32_movmskps256((cpm_wide_register)as_float8(mask));
+}
+#else
 CPM_INLINE cpm_u32 wide_bits(wide_mask mask) {
     int8 bits = mask & (int8)(1, 2, 4, 8, 16, 32, 64, 128);
     int4 four = bits.lo | bits.hi;
     int2 two = four.lo | four.hi;
     return (cpm_u32)(two.x | two.y);
 }
+#endif
 #define cpm_lowest_bit(bits) (31 - (int)clz((bits) & -(bits)))
-CPM_INLINE cpm_i32 wide_sum(wide_mask v) {
-    int4 four = v.lo + v.hi;
-    int2 two = four.lo + four.hi;
-    return two.x + two.y;
-}
 typedef double8 wide_doubles;
 #define wide_zeros() ((double8)(0.0))
 #define wide_gathered(from) vload8(0, from)
 #define wide_halves(from) convert_double8(vload_half8(0, (CPM_GLOBAL const half *)(from)))
 #define wide_keep(v, to) vstore8(v, 0, to)
 #define cpm_root_float(x) sqrt((float)(x))
+#define cpm_count_bits(bits) popcount(bits)
 #else
 #if defined(__AVX2__)
 #include <immintrin.h>
@@ -558,11 +561,6 @@ static inline cpm_u32 wide_bits(wide_mask mask) {
 #endif
 }
 #define cpm_lowest_bit(bits) __builtin_ctz(bits)
-static inline cpm_i32 wide_sum(wide_mask v) {
-    cpm_i32 sum = 0;
-    for (int i = 0; i < 8; i++) sum += v[i];
-    return sum;
-}
 /* Eight doubles, and eight half floats as such: exact (shared/half.h). */
 typedef double wide_doubles __attribute__((vector_size(64)));
 #define wide_zeros() ((wide_doubles){0})
@@ -574,5 +572,6 @@ static inline wide_doubles wide_gathered(const double *from) {
 #define wide_halves(from) cpm_wide_halves(from)
 static inline void wide_keep(wide_doubles v, double *to) { memcpy(to, &v, sizeof v); }
 #define cpm_root_float(x) sqrtf(x)
+#define cpm_count_bits(bits) ((cpm_u32)__builtin_popcount(bits))
 #endif
 #endif

@@ -32,7 +32,7 @@ def plume(x, y, z):
 def plume_grid(shape=(33, 37, 33), spacing=0.01):
     """The plume's samples, and the corner where they begin."""
     origin = -0.5 * spacing * (np.array(shape) - 1)
-    axes = [o + spacing * np.arange(n) for o, n in zip(origin, shape)]
+    axes = [o + spacing * np.arange(n) for o, n in zip(origin, shape, strict=True)]
     return plume(*np.meshgrid(*axes, indexing="ij")), origin, spacing
 
 

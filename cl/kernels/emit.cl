@@ -44,3 +44,18 @@ __kernel void cpm_emit_area(__global const cpm_emitter_data *emitter, __global c
     for (size_t i = 0, at = get_global_id(0) * CPM_WIDTH; i < CPM_WIDTH && at < count; i++, at++)
         primitives[at] = primitive[i];
 }
+
+/* Suns and environments: points and directions (count x 3 each) and weights (count). */
+__kernel void cpm_emit_far(__global const cpm_emitter_data *emitter, __global const double *cumulative,
+                           __global const float *weight, ulong first, ulong count, __global double *points,
+                           __global double *directions, __global double *weights) {
+    cpm_emitter_data e = *emitter;
+    uint index[CPM_WIDTH];
+    double power[CPM_WIDTH];
+    real3 point, direction;
+    store_doubles(emit_far(&e, cumulative, weight, emit_indices(first, index), &point, &direction), power, 0);
+    emit_write3(point, points, count);
+    emit_write3(direction, directions, count);
+    for (size_t i = 0, at = get_global_id(0) * CPM_WIDTH; i < CPM_WIDTH && at < count; i++, at++)
+        weights[at] = power[i];
+}

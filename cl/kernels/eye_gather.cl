@@ -29,8 +29,8 @@ __kernel void cpm_eye_gather(CPM_WORLD_PARAMETERS, CPM_EYE_PARAMETERS, __global 
         cpm_arrival a = arrivals[list[q]];
         double widest = whole[q];
         const cpm_vec normal = world_shading_normal(&w, &a.hit, eye_facing(&w, &a));
-        world_gather(&w, eye.is.corrected, &s, nearest, max_radius, a.hit.position, cpm_sub(a.hit.position, origin),
-                     normal, &widest, irradiance + (size_t)q * s.map.is.bins);
+        world_gather(&w, eye.is.corrected, &s, nearest, max_radius, &a.hit, cpm_sub(a.hit.position, origin), normal,
+                     &widest, irradiance + (size_t)q * s.map.is.bins);
         whole[q] = widest;
     }
 }

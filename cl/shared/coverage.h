@@ -51,11 +51,24 @@ CPM_INLINE double world_disc_coverage(const cpm_world *w, cpm_vec point, cpm_vec
     return cpm_max((double)covered / CPM_PROBES, CPM_LEAST_COVERAGE);
 }
 
-/* Adds one population's irradiance at a surface point, on the side of the unit normal, to irradiance[bins]. `placed`:
- * the point from the map's origin. *whole: the radius of a disc known to lie wholly on its surface: so do all that are
+/* How far a hit is from its triangle's edges, metres: a disc of that radius lies whole on its surface. 0 where that does
+ * not follow: on spheres, and where the disc is about a shading normal. */
+CPM_INLINE double world_room(const cpm_world *w, const cpm_hit *hit) {
+    if (hit->primitive >= w->tree.frame.triangle_count || world_surface(w, hit->primitive)->has_normals) return 0.0;
+    CPM_GLOBAL const cpm_triangle *t = &w->tree.triangles[hit->primitive];
+    const cpm_vec e1 = cpm_v(t->edge1[0], t->edge1[1], t->edge1[2]);
+    const cpm_vec e2 = cpm_v(t->edge2[0], t->edge2[1], t->edge2[2]), e3 = cpm_sub(e2, e1);
+    const double u = hit->u, v = hit->v, third = 1.0 - u - v; /* u is 0 along edge 2, v along edge 1 */
+    if (!(u > 0.0) || !(v > 0.0) || !(third > 0.0)) return 0.0;
+    const double a = u * u / cpm_vdot(e2, e2), b = v * v / cpm_vdot(e1, e1), c = third * third / cpm_vdot(e3, e3);
+    return t->normal_length * cpm_sqrt(cpm_min(a, cpm_min(b, c))) * (1.0 - 1e-6);
+}
+
+/* Adds one population's irradiance where a ray has arrived, on the side of the unit normal, to irradiance[bins].
+ * `placed`: the point from the map's origin. *whole: the radius of a disc known to lie wholly on its surface: so do all that are
  * smaller; the widest population first, mostly. */
 CPM_INLINE void world_gather(const cpm_world *w, int corrected, cpm_map_search *search, cpm_u32 nearest,
-                             double max_radius, cpm_vec point, cpm_vec placed, cpm_vec normal, double *whole,
+                             double max_radius, const cpm_hit *hit, cpm_vec placed, cpm_vec normal, double *whole,
                              CPM_GLOBAL double *irradiance) {
     const float at[3] = {(float)placed.x, (float)placed.y, (float)placed.z};
     const float n[3] = {(float)normal.x, (float)normal.y, (float)normal.z};
@@ -67,8 +80,9 @@ CPM_INLINE void world_gather(const cpm_world *w, int corrected, cpm_map_search *
     const double factor = cpm_gather_factor(search->map.is.scale, radius2);
     for (cpm_u32 b = 0; b < search->map.is.bins; b++) total += factor * search->sum[b];
     if (!(total > 0.0)) return;
+    if (corrected && *whole == 0.0) *whole = world_room(w, hit);
     if (corrected && radius > *whole) {
-        larger_by = 1.0 / world_disc_coverage(w, point, normal, radius);
+        larger_by = 1.0 / world_disc_coverage(w, hit->position, normal, radius);
         if (larger_by == 1.0) *whole = radius;
     }
     for (cpm_u32 b = 0; b < search->map.is.bins; b++) irradiance[b] += larger_by * (factor * search->sum[b]);

@@ -103,4 +103,54 @@ CPM_INLINE void emit_area(const cpm_emitter_data *e, CPM_GLOBAL const cpm_triang
                     normal, primitive);
     *direction = sample_cosine(*normal, emit_even(e, index, 2), emit_even(e, index, 3));
 }
+
+/* Where paths of direction d come into the emitter's box: uniform over the three faces that d sees, each by the area of
+ * its shadow; returns the area of the whole shadow, on a plane across d. */
+CPM_INLINE real emit_into_box(const cpm_emitter_data *e, real3 d, real p, real v, real3 *point) {
+    const real x = splat(e->high[0] - e->low[0]), y = splat(e->high[1] - e->low[1]), z = splat(e->high[2] - e->low[2]);
+    const real of_x = magnitude(d.x) * y * z, of_y = magnitude(d.y) * z * x, of_z = magnitude(d.z) * x * y;
+    const real both = of_x + of_y, whole = both + of_z, chosen = p * whole;
+    const mask on_x = less(chosen, of_x), below_z = less(chosen, both);
+    real u = pick(on_x, chosen / of_x, pick(below_z, (chosen - of_x) / of_y, (chosen - both) / of_z));
+    u = smaller(u, splat(1.0));
+    const real zero = splat(0.0), one = splat(1.0);
+    real px = pick(on_x, pick(less(d.x, zero), one, zero), u);
+    real py = pick(on_x, u, pick(below_z, pick(less(d.y, zero), one, zero), v));
+    real pz = pick(below_z, v, pick(less(d.z, zero), one, zero));
+    *point = triple(splat(e->low[0]) + px * x, splat(e->low[1]) + py * y, splat(e->low[2]) + pz * z);
+    return whole;
+}
+
+/* A path of a sun or an environment: where it comes into the box, unit direction of travel; returns what its power is
+ * per radiance and solid angle of all directions: the box's shadow times the weight of the cell of directions. */
+CPM_INLINE real emit_far(const cpm_emitter_data *e, CPM_GLOBAL const double *cumulative, CPM_GLOBAL const float *weight,
+                         word index, real3 *point, real3 *direction) {
+    real u = emit_even(e, index, 0), v = emit_even(e, index, 1), power = splat(1.0);
+    real3 axis = triple(splat(e->axis[0]), splat(e->axis[1]), splat(e->axis[2])), toward;
+    if (e->rows) {
+        double wanted[CPM_WIDTH], of_column[CPM_WIDTH], share[CPM_WIDTH], edge[2][CPM_WIDTH];
+        const size_t columns = (size_t)e->columns, cells = (size_t)e->rows * columns;
+        store_doubles(emit_walked(e, index), wanted, 0);
+        for (int i = 0; i < CPM_WIDTH; i++) {
+            const size_t cell = emit_interval(cumulative, cells, wanted[i]), row = cell / columns;
+            of_column[i] = (double)(cpm_i32)(cell - row * columns);
+            share[i] = (double)weight[cell];
+            edge[0][i] = cumulative[cells + 1 + row], edge[1][i] = cumulative[cells + 2 + row];
+        }
+        power = load_doubles(share, 0);
+        const real top = load_doubles(edge[0], 0), bottom = load_doubles(edge[1], 0);
+        const real cosine = top + u * (bottom - top), turn = (load_doubles(of_column, 0) + v) / R(e->columns);
+        const real sine = root((R(1.0) - cosine) * (R(1.0) + cosine));
+        real3 north = triple(splat(e->position[0]), splat(e->position[1]), splat(e->position[2]));
+        real3 east = triple(north.y * axis.z - north.z * axis.y, north.z * axis.x - north.x * axis.z,
+                            north.x * axis.y - north.y * axis.x);
+        real s, c; /* of the azimuth and half a turn: the first column begins in the south */
+        sincos_turns(turn, &s, &c);
+        toward = unit3(add3(add3(scale3(cosine, axis), -(sine * c), north), -(sine * s), east));
+    } else {
+        toward = direction_about(axis, larger(splat(-1.0), R(1.0) - u * R(e->cutoff)), v);
+    }
+    *direction = scale3(splat(-1.0), toward);
+    return power * emit_into_box(e, *direction, emit_even(e, index, 2), emit_even(e, index, 3), point);
+}
 #endif

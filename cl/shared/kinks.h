@@ -87,8 +87,8 @@ CPM_INLINE real cpm_kink_of_layers(const cpm_medium_data *m, CPM_GLOBAL const do
     return cpm_kink_along(u, hair, forward, magnitude(speed), dot3(a->g, up), below, above);
 }
 
-/* The same for spherical layers, along q = rho^2 - R^2, which is a parabola in sigma where the path is one: q' = 2 p . D,
- * q'' = 2 (|p|^2 + g . D), D = r - centre. A hair of height is 2 rho of it. */
+/* The same for spherical layers, along q = rho^2 - R^2, which is a parabola in sigma where the path is one: q' = 2 p .
+ * D, q'' = 2 (|p|^2 + g . D), D = r - centre. A hair of height is 2 rho of it. */
 CPM_INLINE real cpm_kink_of_shells(const cpm_medium_data *m, CPM_GLOBAL const double *table, scalar thin,
                                    const cpm_point *a, mask *near) {
     const real none = splat(CPM_NO_KINK), low = splat(m->low), high = splat(m->high), one = splat(1.0);
@@ -154,15 +154,27 @@ CPM_INLINE int cpm_has_kinks(const cpm_medium_data *m, double rtol) {
 }
 
 /* What n may change by between the place where a step ends before a lens's sphere and the sphere, of n. */
-CPM_INLINE real cpm_kink_noise(const cpm_medium_data *m, double rtol, real3 r) {
+CPM_INLINE real cpm_kink_noise_of(const cpm_medium_data *m, double rtol, real3 r) {
     if (CPM_IS_KIND(m, CPM_MEDIUM_LUNEBURG) || CPM_IS_KIND(m, CPM_MEDIUM_EATON))
         return R(3.0 * m->jump) * cpm_hair_of_sphere(m, cpm_hair(m, rtol), r);
     return splat(0.0);
 }
+CPM_APART real cpm_kink_noise_of_sum(const cpm_medium_data *m, CPM_GLOBAL const double *table, double rtol, real3 r) {
+    real noise = splat(0.0);
+    for (int i = 0; i < m->size[0]; i++) {
+        const cpm_term t = cpm_term_at(m, table, i);
+        noise += cpm_kink_noise_of(&t.data, rtol, r);
+    }
+    return noise;
+}
+CPM_INLINE real cpm_kink_noise(const cpm_medium_data *m, CPM_GLOBAL const double *table, double rtol, real3 r) {
+    if (CPM_IS_KIND(m, CPM_MEDIUM_SUM)) return cpm_kink_noise_of_sum(m, table, rtol, r);
+    return cpm_kink_noise_of(m, rtol, r);
+}
 
 /* Sigma to a hair before the next face; *near: one is within a few hairs already. Of a medium that is no sum. */
-CPM_INLINE real cpm_next_kink_of(const cpm_medium_data *m, CPM_GLOBAL const double *table, double rtol, const cpm_point *a,
-                              mask *near) {
+CPM_INLINE real cpm_next_kink_of(const cpm_medium_data *m, CPM_GLOBAL const double *table, double rtol,
+                                 const cpm_point *a, mask *near) {
     const scalar thin = cpm_hair(m, rtol);
     *near = splat_mask(0);
     if (CPM_IS_KIND(m, CPM_MEDIUM_LAYERED)) return cpm_kink_of_layers(m, table, thin, a, near);
@@ -196,7 +208,7 @@ CPM_INLINE real3 cpm_beyond_kink_of(const cpm_medium_data *m, double rtol, const
 
 /* Of any medium: a sum has the kinks of its terms. */
 CPM_APART real cpm_next_kink_of_sum(const cpm_medium_data *m, CPM_GLOBAL const double *table, double rtol,
-                                      const cpm_point *a, mask *near) {
+                                    const cpm_point *a, mask *near) {
     real next = splat(CPM_NO_KINK);
     mask any = splat_mask(0);
     for (int i = 0; i < m->size[0]; i++) {
@@ -209,7 +221,7 @@ CPM_APART real cpm_next_kink_of_sum(const cpm_medium_data *m, CPM_GLOBAL const d
     return next;
 }
 CPM_APART real3 cpm_beyond_kink_of_sum(const cpm_medium_data *m, CPM_GLOBAL const double *table, double rtol,
-                                         const cpm_point *a) {
+                                       const cpm_point *a) {
     cpm_point beyond = *a;
     for (int i = 0; i < m->size[0]; i++) {
         const cpm_term t = cpm_term_at(m, table, i);

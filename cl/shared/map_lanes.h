@@ -46,12 +46,12 @@ CPM_INLINE size_t lanes_leaf(CPM_GLOBAL const float *points, cpm_u32 first, cpm_
 
 /* How many are at most a, and at most b. Beyond n stand infinities. */
 CPM_INLINE void lanes_count(CPM_GLOBAL const float *distance, size_t n, float a, float b, size_t *at_a, size_t *at_b) {
-    wide_mask in_a = wide_all(0.0f) != wide_all(0.0f), in_b = in_a; /* -1 for each counted */
+    cpm_u32 in_a = 0, in_b = 0;
     for (size_t i = 0; i < n; i += 8) {
         const wide d = wide_any(distance + i);
-        in_a += d <= wide_all(a), in_b += d <= wide_all(b);
+        in_a += cpm_count_bits(wide_bits(d <= wide_all(a))), in_b += cpm_count_bits(wide_bits(d <= wide_all(b)));
     }
-    *at_a = (size_t)-wide_sum(in_a), *at_b = (size_t)-wide_sum(in_b);
+    *at_a = in_a, *at_b = in_b;
 }
 
 /* Copies those in (low, high], in their order. Returns how many. */

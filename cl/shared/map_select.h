@@ -52,10 +52,15 @@ CPM_INLINE float cpm_kth_distance(CPM_GLOBAL float *distance, size_t n, size_t k
     }
     float window[CPM_WINDOW + CPM_PAD];
     const size_t m = lanes_between(distance, n, low, high, window);
+    for (int i = 0; i < 8; i++) window[m + (size_t)i] = INFINITY;
     for (size_t i = 0; i < m; i++) {
-        size_t smaller_ones = 0, equal_ones = 0;
-        for (size_t j = 0; j < m; j++) smaller_ones += window[j] < window[i], equal_ones += window[j] == window[i];
-        if (c_low + smaller_ones < k && k <= c_low + smaller_ones + equal_ones) {
+        size_t smaller_ones = 0, as_large = 0;
+        for (size_t j = 0; j < m; j += 8) {
+            const wide w = wide_any(window + j);
+            smaller_ones += cpm_count_bits(wide_bits(w < wide_all(window[i])));
+            as_large += cpm_count_bits(wide_bits(w <= wide_all(window[i])));
+        }
+        if (c_low + smaller_ones < k && k <= c_low + as_large) {
             *below = c_low + smaller_ones;
             return window[i];
         }

@@ -130,6 +130,7 @@ CPM_INLINE cpm_trial cpm_step_adams(const cpm_medium_data *m, CPM_GLOBAL const d
     store_doubles(pick(at_most(order, smaller(kept, splat(CPM_ADAMS_ORDER - 1.0))), up, splat(100.0)), rays->higher, part);
     /* r'''''' = g'''': the quintic lacks 24 D_4 h^6/720, where the table reaches so far */
     t.dense = rows > 4 ? hh * root(d[4][0] * d[4][0] + d[4][1] * d[4][1] + d[4][2] * d[4][2]) * R(1.0 / 30) : zero;
+    t.curve = splat(0.0);
     t.dense = larger(t.dense, R(64.0) * root(t.error_position2));
     return t;
 }

@@ -64,7 +64,7 @@ CPM_INLINE cpm_trial cpm_step_dopri5(const cpm_medium_data *m, CPM_GLOBAL const 
     t.error_position2 = hh * hh * dot3(miss, miss);
     t.error_way = h * way_error;
     t.error_momentum2 = hh * dot3(slip, slip);
-    t.dense = splat(0.0);
+    t.dense = t.curve = splat(0.0);
     return t;
 }
 #endif

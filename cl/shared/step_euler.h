@@ -29,7 +29,7 @@ CPM_INLINE cpm_trial cpm_step_euler(const cpm_medium_data *m, CPM_GLOBAL const d
     t.error_position2 = quarter * quarter * dot3(a->g, a->g);
     t.error_way = R(0.5) * h * (n - a->n);
     t.error_momentum2 = quarter * dot3(change, change);
-    t.dense = splat(0.0);
+    t.dense = t.curve = splat(0.0);
     return t;
 }
 #endif

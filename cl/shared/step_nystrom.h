@@ -1,5 +1,5 @@
-/* shared/step_nystrom.h: Runge-Kutta-Nystrom pairs of Dormand, El-Mikkawy and Prince: 6(4), 5 evaluations a step, and
- * 8(6), 8 evaluations; the last is the next step's first.
+/* shared/step_nystrom.h: Runge-Kutta-Nystrom pairs of Dormand, El-Mikkawy and Prince: 6(4), 5 evaluations a step, 8(6),
+ * 8 evaluations, and 12(10), 17 evaluations; the last is the next step's first.
  *
  * As r'' = g(r) has no velocity on its right-hand side, stages need positions only:
  *
@@ -27,23 +27,16 @@ CPM_CONSTANT_TABLE double cpm_rkn6_A[6][6] = {
     {637.0 / 6600, -7.0 / 110, 7.0 / 33, 0.0, 0.0, 0.0},
     {225437.0 / 1968750, -30073.0 / 281250, 65569.0 / 281250, -9367.0 / 984375, 0.0, 0.0},
     {151.0 / 2142, 5.0 / 116, 385.0 / 1368, 55.0 / 168, -6250.0 / 28101, 0.0}};
-CPM_CONSTANT_TABLE double cpm_rkn6_b[6] = {151.0 / 2142, 25.0 / 522,         275.0 / 684,
+CPM_CONSTANT_TABLE double cpm_rkn6_b[6] = {151.0 / 2142, 25.0 / 522,        275.0 / 684,
                                            275.0 / 252,  -78125.0 / 112404, 1.0 / 12};
-CPM_CONSTANT_TABLE double cpm_rkn6_e[6] = {151.0 / 2142 - 1349.0 / 157500,
-                                           5.0 / 116 - 7873.0 / 50000,
-                                           385.0 / 1368 - 192199.0 / 900000,
-                                           55.0 / 168 - 521683.0 / 2100000,
-                                           -6250.0 / 28101 + 16.0 / 125,
-                                           0.0};
-CPM_CONSTANT_TABLE double cpm_rkn6_d[6] = {151.0 / 2142 - 1349.0 / 157500,
-                                           25.0 / 522 - 7873.0 / 45000,
-                                           275.0 / 684 - 27457.0 / 90000,
-                                           275.0 / 252 - 521683.0 / 630000,
-                                           -78125.0 / 112404 + 2.0 / 5,
-                                           0.0};
+CPM_CONSTANT_TABLE double cpm_rkn6_e[6] = {151.0 / 2142 - 1349.0 / 157500,   5.0 / 116 - 7873.0 / 50000,
+                                           385.0 / 1368 - 192199.0 / 900000, 55.0 / 168 - 521683.0 / 2100000,
+                                           -6250.0 / 28101 + 16.0 / 125,     0.0};
+CPM_CONSTANT_TABLE double cpm_rkn6_d[6] = {151.0 / 2142 - 1349.0 / 157500, 25.0 / 522 - 7873.0 / 45000,
+                                           275.0 / 684 - 27457.0 / 90000,  275.0 / 252 - 521683.0 / 630000,
+                                           -78125.0 / 112404 + 2.0 / 5,    0.0};
 
-CPM_CONSTANT_TABLE double cpm_rkn8_c[9] = {0.0,      1.0 / 20, 1.0 / 10, 3.0 / 10, 1.0 / 2,
-                                           7.0 / 10, 9.0 / 10, 1.0,      1.0};
+CPM_CONSTANT_TABLE double cpm_rkn8_c[9] = {0.0, 1.0 / 20, 1.0 / 10, 3.0 / 10, 1.0 / 2, 7.0 / 10, 9.0 / 10, 1.0, 1.0};
 CPM_CONSTANT_TABLE double cpm_rkn8_A[9][9] = {
     {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0},
     {1.0 / 800, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0},
@@ -57,8 +50,8 @@ CPM_CONSTANT_TABLE double cpm_rkn8_A[9][9] = {
     {13836959.0 / 3667458, -17731450.0 / 1833729, 1063919505.0 / 156478208, -33213845.0 / 39119552, 13335.0 / 28544,
      -705.0 / 14272, 1645.0 / 57088, 0.0, 0.0},
     {223.0 / 7938, 0.0, 1175.0 / 8064, 925.0 / 6048, 41.0 / 448, 925.0 / 14112, 1175.0 / 72576, 0.0, 0.0}};
-CPM_CONSTANT_TABLE double cpm_rkn8_b[9] = {223.0 / 7938,   0.0,           5875.0 / 36288, 4625.0 / 21168, 41.0 / 224,
-                                           4625.0 / 21168, 5875.0 / 36288, 223.0 / 7938,   0.0};
+CPM_CONSTANT_TABLE double cpm_rkn8_b[9] = {
+    223.0 / 7938, 0.0, 5875.0 / 36288, 4625.0 / 21168, 41.0 / 224, 4625.0 / 21168, 5875.0 / 36288, 223.0 / 7938, 0.0};
 CPM_CONSTANT_TABLE double cpm_rkn8_e[9] = {223.0 / 7938 - 7987313.0 / 109941300,
                                            0.0,
                                            1175.0 / 8064 - 1610737.0 / 44674560,
@@ -77,6 +70,8 @@ CPM_CONSTANT_TABLE double cpm_rkn8_d[9] = {223.0 / 7938 - 7987313.0 / 109941300,
                                            5875.0 / 36288 - 1610737.0 / 40207104,
                                            223.0 / 7938 + 4251941.0 / 54970650,
                                            -3.0 / 20};
+
+#include "step_nystrom12.h"
 
 /* f6 h^6/720 from g and its place theta in the step, metres; see above. */
 CPM_INLINE real cpm_dense_of_stage(const cpm_point *a, const cpm_point *end, real h, scalar theta, real3 g) {
@@ -122,4 +117,15 @@ CPM_INLINE real cpm_dense_of_length(const cpm_point *a, const cpm_trial *t, real
 #undef CPM_RKN_STAGES
 #undef CPM_RKN_MIDDLE
 #undef CPM_RKN_ASIDE
+#if !CPM_SINGLE /* below a float's rounding there is nothing for it to do */
+#define CPM_RKN cpm_rkn12
+#define CPM_RKN_STAGES 18
+#define CPM_RKN_MIDDLE 10
+#define CPM_RKN_ASIDE 9
+#include "step_nystrom_body.h"
+#undef CPM_RKN
+#undef CPM_RKN_STAGES
+#undef CPM_RKN_MIDDLE
+#undef CPM_RKN_ASIDE
+#endif
 #endif

@@ -39,8 +39,8 @@ CPM_INLINE cpm_trial CPM_RKN_NAME(_step)(const cpm_medium_data *m, CPM_GLOBAL co
     t.error_position2 = hh * hh * dot3(miss, miss);
     t.error_way = h * way_error;
     t.error_momentum2 = hh * dot3(slip, slip);
-    t.dense = cpm_dense_of_stage(a, &t.end, h, R(CPM_RKN_NAME(_c)[CPM_RKN_MIDDLE]), g[CPM_RKN_MIDDLE]);
-    t.dense = larger(t.dense, cpm_dense_of_length(a, &t, h, R(CPM_RKN_NAME(_c)[CPM_RKN_ASIDE]), n[CPM_RKN_ASIDE]));
+    t.curve = cpm_dense_of_stage(a, &t.end, h, R(CPM_RKN_NAME(_c)[CPM_RKN_MIDDLE]), g[CPM_RKN_MIDDLE]);
+    t.dense = larger(t.curve, cpm_dense_of_length(a, &t, h, R(CPM_RKN_NAME(_c)[CPM_RKN_ASIDE]), n[CPM_RKN_ASIDE]));
     return t;
 }
 #undef CPM_RKN_NAME

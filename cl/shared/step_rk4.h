@@ -32,7 +32,7 @@ CPM_INLINE cpm_trial cpm_step_rk4(const cpm_medium_data *m, CPM_GLOBAL const dou
     t.way = sixth * (a->n + R(2.0) * (n2 + n3) + n4);
     t.path = sixth * (a->n * a->n + R(2.0) * (n2 * n2 + n3 * n3) + n4 * n4);
     t.error_position2 = t.error_way = t.error_momentum2 = splat(0.0);
-    t.dense = splat(0.0);
+    t.dense = t.curve = splat(0.0);
     return t;
 }
 #endif

@@ -46,7 +46,7 @@ CPM_INLINE cpm_trial cpm_step_symplectic(const cpm_medium_data *m, CPM_GLOBAL co
         t.way += w * h2 * (n + t.end.n);
         t.path += w * h2 * (n * n + t.end.n * t.end.n);
     }
-    t.error_position2 = t.error_way = t.error_momentum2 = t.dense = splat(0.0);
+    t.error_position2 = t.error_way = t.error_momentum2 = t.dense = t.curve = splat(0.0);
     store3_doubles(r_low, rays->low_next, part);
     store3_doubles(p_low, rays->low_next + 3, part);
     return t;

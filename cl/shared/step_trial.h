@@ -15,6 +15,7 @@ typedef struct {
     real error_position2; /* metres^2: square of the estimate for the lower-order result */
     real error_way;       /* metres of arc length, signed */
     real error_momentum2; /* square, of p; all 0 where the method has no estimate */
+    real curve;           /* metres: dense of the position alone; set by nystrom */
     real dense;           /* metres: f6 h^6/720, what the quintic between the ends lacks; 0 where it is not known */
     mask good;            /* n > 0 at every point that was evaluated */
 } cpm_trial;

@@ -3,8 +3,8 @@
  * Eight rays at a time; a lane whose ray has ended is loaded anew once half of the packet is idle, so that a slow ray
  * does not hold the others. Lanes never influence each other: a ray's result does not depend on what runs beside it.
  *
- * Float lanes run in a frame whose origin is the medium's, moved there in double (cpm_local_frame): what the field sees is
- * as small as it can be.
+ * Float lanes run in a frame whose origin is the medium's, moved there in double (cpm_local_frame): what the field sees
+ * is as small as it can be.
  *
  * With samples > 0 (path samples wanted) the same rays are traced once more, after a first call that found their
  * lengths: positions are written as they are passed, so that no path is ever stored. */
@@ -14,8 +14,8 @@
 #include "step.h"
 
 #define CPM_TOUCHING 1e-6 /* of a step: a plane so little beyond its end is met: the next step would start on it */
-#define CPM_LANDING 0.05 /* of a step: how far beyond its end the quintic is as good as its inside (piece.h) */
-#define CPM_REFILL 4     /* idle lanes that are worth a start of new rays */
+#define CPM_LANDING 0.05  /* of a step: how far beyond its end the quintic is as good as its inside (piece.h) */
+#define CPM_REFILL 4      /* idle lanes that are worth a start of new rays */
 
 /* The memory of one range of rays that are traced together. */
 typedef struct {
@@ -39,7 +39,8 @@ CPM_INLINE void cpm_local_frame(cpm_medium_data *m, cpm_ray_goal *goal, double s
     }
 }
 
-CPM_INLINE void cpm_sample_piece(cpm_samples *s, const cpm_piece *piece, double length, int last, const double shift[3]) {
+CPM_INLINE void cpm_sample_piece(cpm_samples *s, const cpm_piece *piece, double length, int last,
+                                 const double shift[3]) {
     while (s->next < s->count) {
         double wanted = s->step * (double)s->next, r[3];
         if (wanted > length && !last) return;
@@ -81,17 +82,48 @@ CPM_INLINE double cpm_aim_at_plane(const cpm_lane_rays *rays, int i, const cpm_r
     if (f > 0.0) f = -f, speed = -speed, bend = -bend; /* now f <= 0, and speed > 0 goes there */
     double square = speed * speed - 2.0 * bend * f;
     if (!(square >= 0.0)) return CPM_INFINITE;
-    double sigma = speed > 0.0 ? -2.0 * f / (speed + cpm_sqrt(square))
-                   : bend > 0.0 ? (cpm_sqrt(square) - speed) / bend : CPM_INFINITE;
-    return sigma > 0.0 ? sigma : CPM_INFINITE;
+    double sigma = speed > 0.0  ? -2.0 * f / (speed + cpm_sqrt(square))
+                   : bend > 0.0 ? (cpm_sqrt(square) - speed) / bend
+                                : CPM_INFINITE;
+    if (!(sigma > 0.0)) return CPM_INFINITE;
+    if (!(rays->steps[i] > 0.0) || rays->at_kink[i] || !(sigma < 2.0 * rays->piece_h[i])) return sigma;
+    /* to fifth order: the piece behind, continued */
+    cpm_piece piece;
+    double c[6], g0 = 0.0, g1 = 0.0, p0 = 0.0, p1 = 0.0, f0 = 0.0, f1 = 0.0;
+    cpm_lanes_piece(rays, i, &piece);
+    for (int k = 0; k < 3; k++) {
+        const double n = plane->normal[k];
+        f0 += (piece.r0[k] - plane->point[k]) * n, f1 += (piece.r1[k] - plane->point[k]) * n;
+        p0 += piece.p0[k] * n, p1 += piece.p1[k] * n, g0 += piece.g0[k] * n, g1 += piece.g1[k] * n;
+    }
+    cpm_quintic(piece.h, f0, p0, g0, f1, p1, g1, c);
+    double theta = 1.0 + sigma / piece.h;
+    for (int step = 0; step < 3; step++) {
+        double miss = cpm_quintic_at(c, theta), fall = cpm_quintic_slope(c, theta);
+        theta = 1.0 + fmin(fmax(theta - 1.0 - miss / fall, 0.5 * sigma / piece.h), 2.0 * sigma / piece.h);
+    }
+    return theta > 1.0 ? (theta - 1.0) * piece.h : sigma; /* also NaN */
 }
 
-/* The error of the quintic at theta, as far as it is known, over a tenth of what the tolerance allows (of rounding where
- * steps are fixed, so that each method shows its order). */
+/* An error of position `off` (metres) and one of direction `turn` at theta, over a tenth of what the tolerance allows
+ * (of rounding where steps are fixed, so that each method shows its order). */
+CPM_INLINE double cpm_excess(const cpm_step_control *c, const cpm_lane_rays *rays, int i, double theta, double off,
+                             double turn) {
+    const double length = rays->length0[i] + theta * (rays->length[i] - rays->length0[i]);
+    const double rtol = c->step > 0.0 ? 100.0 * CPM_ROUNDING : c->rtol;
+    return fmax(10.0 * off / (rtol * length + (c->step > 0.0 ? 0.0 : c->atol)), 10.0 * turn / rtol);
+}
+
+/* The same of the quintic, as far as its error is known: u^3 of `dense`, and in the slope its derivative. */
 CPM_INLINE double cpm_dense_excess(const cpm_step_control *c, const cpm_lane_rays *rays, int i, double theta) {
-    double u = theta * (1.0 - theta), length = rays->length0[i] + theta * (rays->length[i] - rays->length0[i]);
-    double may = c->step > 0.0 ? 10.0 * CPM_ROUNDING * length : 0.1 * (c->rtol * length + c->atol);
-    return rays->dense[i] * fabs(u * u * u) / may;
+    const double u = theta * (1.0 - theta), off = rays->dense[i] * fabs(u * u * u);
+    return cpm_excess(c, rays, i, theta, off, 3.0 * u * u * rays->dense[i] / (rays->piece_h[i] * rays->n[i]));
+}
+
+/* What cpm_polish leaves unsure over a way of x pieces: 10 dense |x|^q, q = 5 for its fourth order, 7 for its sixth. */
+CPM_INLINE double cpm_polish_excess(const cpm_step_control *c, const cpm_lane_rays *rays, int i, double x, int sixth) {
+    const double x2 = x * x, turn = 10.0 * rays->dense[i] * x2 * x2 * (sixth ? x2 : 1.0);
+    return cpm_excess(c, rays, i, 1.0, turn * fabs(x), turn / (rays->piece_h[i] * rays->n[i]));
 }
 
 /* Takes the last step of lane i back, to be tried again with the sigma that ends at theta of it. */
@@ -105,43 +137,55 @@ CPM_INLINE void cpm_step_back(cpm_lane_rays *rays, int i, double theta) {
     rays->kept[i] = 0.0; /* the past has moved on: begin anew */
 }
 
-/* From the piece's end to the goal, a little before or beyond it, by the fourth-order Nystrom method where the quintic
- * is not good enough: stages in the middle and at the end, 2 evaluations; then a Newton step onto the goal. */
+/* n and g at r, of one ray. */
+CPM_INLINE double cpm_field_alone(const cpm_medium_data *m, CPM_GLOBAL const double *table, const double r[3],
+                                  double scale, double g[3]) {
+    double column[4][CPM_LANES];
+    real n;
+    real3 at = triple(splat(r[0]), splat(r[1]), splat(r[2])), out = cpm_field(m, table, at, splat(scale), &n);
+    store_doubles(out.x, column[0], 0), store_doubles(out.y, column[1], 0), store_doubles(out.z, column[2], 0);
+    store_doubles(n, column[3], 0);
+    for (int k = 0; k < 3; k++) g[k] = column[k][0];
+    return column[3][0];
+}
+
+/* From the piece's end to the goal, a little before or beyond it, where the quintic is not good enough: by the
+ * fourth-order Nystrom method, stages in the middle and at the end, 2 evaluations; where that is not good enough
+ * either, by the pair 6(4), 5. Then a Newton step onto the goal. */
 CPM_APART void cpm_polish(const cpm_medium_data *m, CPM_GLOBAL const double *table, const cpm_lane_rays *rays, int i,
-                          const cpm_ray_goal *plane, double length, double sigma, cpm_ray_end *end) {
-    double r[3], p[3], g[3][3], n[3], scale = rays->scale[i], f = 0.0, speed = 0.0;
+                          const cpm_ray_goal *plane, double length, double sigma, int sixth, cpm_ray_end *end) {
+    const int last = sixth ? 5 : 2;
+    double r[3], p[3], g[6][3], n[6], f = 0.0, speed = 0.0, way = 0.0, path = 0.0, turn[3] = {0.0, 0.0, 0.0};
     n[0] = rays->n[i];
-    for (int stage = 1; stage < 3; stage++) {
-        double part = stage == 1 ? 0.5 * sigma : sigma, bend = 0.5 * part * part;
+    for (int k = 0; k < 3; k++) g[0][k] = rays->g[k][i];
+    for (int stage = 1; stage <= last; stage++) {
+        const double part = (sixth ? cpm_rkn6_c[stage] : 0.5 * stage) * sigma;
         for (int k = 0; k < 3; k++) {
-            g[0][k] = rays->g[k][i];
-            r[k] = rays->r[k][i] + part * rays->p[k][i] + bend * g[stage - 1][k];
+            double bend = sixth ? 0.0 : 0.125 * stage * stage * g[stage - 1][k];
+            for (int j = 0; sixth && j < stage; j++) bend += cpm_rkn6_A[stage][j] * g[j][k];
+            r[k] = rays->r[k][i] + (part * rays->p[k][i] + sigma * sigma * bend);
         }
-        real n_lanes;
-        real3 at = triple(splat(r[0]), splat(r[1]), splat(r[2])), out;
-        out = cpm_field(m, table, at, splat(scale), &n_lanes);
-        double column[4][CPM_LANES];
-        store_doubles(out.x, column[0], 0), store_doubles(out.y, column[1], 0), store_doubles(out.z, column[2], 0);
-        store_doubles(n_lanes, column[3], 0);
-        for (int k = 0; k < 3; k++) g[stage][k] = column[k][0];
-        n[stage] = column[3][0];
+        n[stage] = cpm_field_alone(m, table, r, rays->scale[i], g[stage]);
     }
-    double way = sigma * (n[0] + 4.0 * n[1] + n[2]) / 6.0;
-    double path = sigma * (n[0] * n[0] + 4.0 * n[1] * n[1] + n[2] * n[2]) / 6.0;
+    for (int stage = 0; stage <= last; stage++) {
+        const double b = sixth ? cpm_rkn6_b[stage] : stage == 1 ? 2.0 / 3.0 : 1.0 / 6.0;
+        way += sigma * b * n[stage], path += sigma * b * n[stage] * n[stage];
+        for (int k = 0; k < 3; k++) turn[k] += sigma * b * g[stage][k];
+    }
     for (int k = 0; k < 3; k++) {
-        r[k] = rays->r[k][i] + sigma * (rays->p[k][i] + sigma * (g[0][k] + 2.0 * g[1][k]) / 6.0);
-        p[k] = rays->p[k][i] + sigma * (g[0][k] + 4.0 * g[1][k] + g[2][k]) / 6.0;
+        p[k] = rays->p[k][i] + turn[k];
+        if (!sixth) r[k] = rays->r[k][i] + sigma * (rays->p[k][i] + sigma * (g[0][k] + 2.0 * g[1][k]) / 6.0);
         f += (r[k] - plane->point[k]) * plane->normal[k], speed += p[k] * plane->normal[k];
     }
-    double rest = length >= 0.0 ? (length - rays->length[i] - way) / n[2] : -f / speed;
+    double rest = length >= 0.0 ? (length - rays->length[i] - way) / n[last] : -f / speed;
     if (!(fabs(rest) <= fabs(sigma))) rest = 0.0; /* also NaN */
     for (int k = 0; k < 3; k++) {
-        end->r[k] = r[k] + rest * (p[k] + 0.5 * rest * g[2][k]);
-        end->p[k] = p[k] + rest * g[2][k];
+        end->r[k] = r[k] + rest * (p[k] + 0.5 * rest * g[last][k]);
+        end->p[k] = p[k] + rest * g[last][k];
     }
-    end->length = length >= 0.0 ? length : rays->length[i] + way + rest * n[2];
-    end->optical_path = rays->optical_path[i] + path + rest * n[2] * n[2];
-    end->evaluations += 2.0;
+    end->length = length >= 0.0 ? length : rays->length[i] + way + rest * n[last];
+    end->optical_path = rays->optical_path[i] + path + rest * n[last] * n[last];
+    end->evaluations += (double)last;
 }
 
 CPM_INLINE void cpm_end_of_lane(const cpm_lane_rays *rays, int i, const cpm_piece *piece, double theta, double length,
@@ -281,10 +325,13 @@ CPM_INLINE void cpm_trace_range(const cpm_step_control *c, const cpm_medium_data
                 cpm_kink_before(c, m, table, &rays, i, (theta - 1.0) * piece.h))
                 theta = CPM_NO_ROOT;
             const int poor = aware && theta != CPM_NO_ROOT && cpm_dense_excess(c, &rays, i, theta) > 1.0;
-            if (poor && theta < 1.0 - CPM_LANDING && theta > 1e-3 && rays.status[i] < 0) {
+            const int sixth = poor && cpm_polish_excess(c, &rays, i, theta - 1.0, 0) > 1.0;
+            const int rough = sixth && !(c->step > 0.0) && cpm_polish_excess(c, &rays, i, theta - 1.0, 1) > 1.0;
+            if (poor && (rough || theta < 1.0 - CPM_LANDING) && theta < 1.0 && theta > 1e-3 && rays.status[i] < 0) {
                 cpm_step_back(&rays, i, theta);
                 continue;
             }
+            if (rough && theta > 1.0 && rays.status[i] < 0) theta = CPM_NO_ROOT; /* a step more */
             if (aware && rays.accepted[i]) {
                 rays.limit[i] = longest[i] > 0.0 ? longest[i] / rays.n_start[i] : CPM_INFINITE;
                 if (aimed) rays.limit[i] = fmin(rays.limit[i], cpm_aim_at_plane(&rays, i, plane));
@@ -297,7 +344,7 @@ CPM_INLINE void cpm_trace_range(const cpm_step_control *c, const cpm_medium_data
             cpm_ray_end end;
             cpm_end_of_lane(&rays, i, &piece, theta, length[i], shift, &end);
             if (poor) {
-                cpm_polish(m, table, &rays, i, plane, length[i], (theta - 1.0) * piece.h, &end);
+                cpm_polish(m, table, &rays, i, plane, length[i], (theta - 1.0) * piece.h, sixth, &end);
                 for (int k = 0; k < 3; k++) end.r[k] += shift[k];
             }
             for (; samples[i].next < samples[i].count; samples[i].next++)

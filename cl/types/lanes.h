@@ -61,7 +61,7 @@ typedef struct cpm_step_control {
     cpm_i32 method; /* CPM_STEP_ */
     cpm_i32 order;  /* of the pair that nystrom takes: 6 or 8; by cpm_step_control_set, as all below from `lenient` */
     cpm_i32 dense;  /* 1: the curve between the ends of a step must be as good as they are */
-    cpm_i32 reserved;
+    cpm_i32 high;   /* 1: nystrom may take 12(10) where there is far to go; by cpm_step_control_set */
     double rtol, atol; /* position error <= atol + rtol x length, direction error <= rtol */
     double step;       /* metres of arc, fixed; 0: adaptive */
     double max_step;   /* metres of arc; infinite: none */

@@ -49,7 +49,7 @@ typedef struct cpm_medium_data {
     cpm_i32 kind;          /* CPM_MEDIUM_ */
     cpm_i32 interpolation; /* CPM_FIELD_, layered and grid */
     cpm_i32 size[3];       /* grid: samples; layered: heights, buckets, halvings that a look-up may need in a bucket;
-                              sources: how many */
+                              sources: how many; sum: terms, 1: one is singular, 1: one is a table */
     cpm_i32 uniform;       /* 1: n is the same everywhere */
     double origin[3];      /* metres; luneburg, fisheye, eaton: the centre */
     double axis[3];        /* linear: grad n; linear-squared: grad n^2; layered: unit up; grid: 1/spacing; parabolic:

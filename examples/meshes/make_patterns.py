@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 """Write the flat patterns and the prism of the gallery's scenes, binary PLY.
 
-checkerboard.ply  the light squares of 10 × 10 in the unit square about the origin, facing +z: squares where column + row
-                  is even, from the corner (-0.5, -0.5).
-dots.ply          32 × 24 square dots, facing +z, in a field 1 wide and 0.75 high about the origin: pitch 1/32, side 0.4 of it.
+checkerboard.ply  the light squares of 10 × 10 in the unit square about the origin, facing +z: squares where column +
+                  row is even, from the corner (-0.5, -0.5).
+dots.ply          32 × 24 square dots, facing +z, in a field 1 wide and 0.75 high about the origin: pitch 1/32, side
+                  0.4 of it.
 prism.ply         equilateral, sides of 1 in the xz plane about the origin, one edge at -z, from y = 0 to 1; closed.
 
     python make_patterns.py [FOLDER]

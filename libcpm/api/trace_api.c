@@ -126,7 +126,7 @@ static cpm_status check_end(cpm_context *context, const cpm_rays_request *q, cpm
 static cpm_status choose_method(cpm_context *context, const cpm_medium *medium, const cpm_rays_request *q,
                                 int32_t *method) {
     const int exact = cpm_medium_has_exact(medium), exact_only = cpm_medium_needs_exact(medium);
-    *method = cpm_method_in(medium, q->method, q->exclude, q->step, q->rtol);
+    *method = cpm_method_in(medium, q->method, q->exclude, q->step);
     if (cpm_medium_is_uniform(medium)) return CPM_OK; /* straight, whatever was asked: no integrator runs */
     if (*method == CPM_METHOD_AUTO)
         return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "exclude is 0x%x; no method is left for this medium",
@@ -347,8 +347,6 @@ cpm_status cpm_rays_trace(cpm_context *context, const cpm_medium *medium, struct
                                    .dense = q.path_samples > 0 && out.paths,
                                    .max_step = q.max_step > 0.0 ? fmin(q.max_step, CPM_INFINITE) : CPM_INFINITE,
                                    .max_evaluations = q.max_evaluations > 0 ? (double)q.max_evaluations : 1e6};
-    if (q.single_precision)
-        w.control.max_evaluations = fmin(w.control.max_evaluations, 16777216.0); /* counted in float */
     cpm_step_control_set(&w.control);
     w.goal.max_evaluations = w.control.max_evaluations;
     w.starts = malloc(q.count * sizeof *w.starts);

@@ -26,4 +26,7 @@ extern const cpm_backend cpm_backend_native, cpm_backend_opencl;
 
 /* The one that the context has set. */
 const cpm_backend *cpm_backend_of(const cpm_context *context);
+
+/* An error that names what of the scene's light a device cannot do. */
+cpm_status cpm_opencl_refuses(const cpm_pass *pass);
 #endif

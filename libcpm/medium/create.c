@@ -65,7 +65,7 @@ void cpm_medium_retain(cpm_medium *medium) {
 
 void cpm_medium_release(cpm_medium *medium) {
     if (!medium || atomic_fetch_sub(&medium->references, 1) != 1) return;
-    free(medium->table);
+    free(medium->table), free(medium->extinction);
     free(medium);
 }
 

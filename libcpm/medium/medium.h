@@ -16,12 +16,17 @@ struct cpm_medium {
     size_t table_count;
     cpm_dispersion dispersion;
     int32_t by_wavelength; /* 1: the field takes the wavelength itself (nm) for its scale: formulas and sums */
+    double *extinction; /* extinction_count wavelengths, then as many values; NULL: none */
+    size_t extinction_count;
     double reference;      /* what the dispersion gives at the d line: n - 1, or n^2 - 1 for a medium defined by n^2 */
 };
 
 /* The factor s of a wavelength (nm). Out of the dispersion's range: CPM_ERROR_INVALID_ARGUMENT. 1 where nothing
  * disperses. */
 cpm_status cpm_medium_scale(cpm_context *context, const cpm_medium *medium, double wavelength, double *scale);
+
+/* Extinction over n - 1 at a wavelength (nm), 1/m; 0 without any. */
+double cpm_medium_extinction(const cpm_medium *medium, double wavelength);
 
 /* n the same everywhere (at one wavelength): paths are straight, no integrator runs. */
 int cpm_medium_is_uniform(const cpm_medium *medium);

@@ -5,26 +5,19 @@
  * one-step method no new start); its own choice of order follows the tolerance (cl/shared/step.h). The others follow in
  * the order of what they cost there. Fixed steps change nothing in that.
  *
- * But tables are smooth to the second derivative only. Where a step spans many of their knots, an estimate of order 6
- * and more is blind to them: on a 500 km ray through 1803 shells at rtol 1e-9 nystrom's end is 36 times the tolerance
- * off, dopri5's 1.7. So tight tolerances in tables are dopri5's. */
+ * Tables are smooth to the second derivative only; nystrom's estimate sees their knots (cl/shared/step.h), so that it
+ * is the cheapest there too. */
 #include "method.h"
 
-#define TIGHT 1e-7
 #define METHODS 7
 
-static const int32_t smooth[METHODS] = {CPM_METHOD_NYSTROM,  CPM_METHOD_ADAMS, CPM_METHOD_DOPRI5,  CPM_METHOD_EULER,
-                                        CPM_METHOD_YOSHIDA6, CPM_METHOD_RK4,   CPM_METHOD_LEAPFROG};
-static const int32_t tabled[METHODS] = {CPM_METHOD_DOPRI5,   CPM_METHOD_ADAMS, CPM_METHOD_NYSTROM, CPM_METHOD_EULER,
-                                        CPM_METHOD_YOSHIDA6, CPM_METHOD_RK4,   CPM_METHOD_LEAPFROG};
-#define TABLES (1u << CPM_MEDIUM_LAYERED | 1u << CPM_MEDIUM_SHELLS | 1u << CPM_MEDIUM_GRID)
+static const int32_t preferred[METHODS] = {CPM_METHOD_NYSTROM,  CPM_METHOD_ADAMS, CPM_METHOD_DOPRI5,  CPM_METHOD_EULER,
+                                           CPM_METHOD_YOSHIDA6, CPM_METHOD_RK4,   CPM_METHOD_LEAPFROG};
 
-int32_t cpm_method_in(const cpm_medium *medium, int32_t asked, uint32_t exclude, double step, double rtol) {
+int32_t cpm_method_in(const cpm_medium *medium, int32_t asked, uint32_t exclude, double step) {
     if (cpm_medium_is_uniform(medium)) return CPM_METHOD_EXACT;
     if (asked != CPM_METHOD_AUTO) return asked;
     if (cpm_medium_has_exact(medium) && !(exclude >> CPM_METHOD_EXACT & 1u)) return CPM_METHOD_EXACT;
-    const int tight = rtol > 0.0 && rtol < TIGHT && (cpm_medium_kinds(medium) & TABLES);
-    const int32_t *preferred = tight ? tabled : smooth;
     for (size_t i = 0; i < METHODS; i++)
         if (!(exclude >> preferred[i] & 1u) && (step > 0.0 || !cpm_method_needs_step(preferred[i])))
             return preferred[i];

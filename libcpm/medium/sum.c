@@ -67,6 +67,8 @@ static void measure(cpm_medium_data *data, const summands *all) {
     for (size_t i = 0; i < all->count; i++) {
         const cpm_medium_data *d = &all->list[i].term.data;
         const int cubic = d->interpolation == CPM_FIELD_CUBIC;
+        data->size[1] |= d->kind == CPM_MEDIUM_EATON || d->kind == CPM_MEDIUM_SOURCES;
+        data->size[2] |= d->kind == CPM_MEDIUM_LAYERED || d->kind == CPM_MEDIUM_SHELLS || d->kind == CPM_MEDIUM_GRID;
         data->feature = fmin(data->feature, d->feature);
         data->jump = fmax(data->jump, d->jump);
         data->kink = fmax(data->kink, cubic ? 200.0 * d->jump * fmin(d->feature, 1e300) : d->kink);

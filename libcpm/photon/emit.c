@@ -107,6 +107,10 @@ cpm_leeway cpm_emitter_leeway(const cpm_pass *pass, const cpm_emitter *e, float 
     if (e->light->kind == CPM_LIGHT_AREA) {
         leeway.size = pass->bundle_tolerance * sqrt(share / CPM_PI * pass->scene->shapes[e->light->shape].area);
         leeway.angle = pass->bundle_tolerance * sqrt(share);
+    } else if (cpm_light_is_far(e->light)) { /* over the shadow of the box that they cross: a quarter of its surface */
+        const double x = e->box.high[0] - e->box.low[0], y = e->box.high[1] - e->box.low[1];
+        const double z = e->box.high[2] - e->box.low[2];
+        leeway.size = pass->bundle_tolerance * sqrt(share / CPM_PI * 0.5 * (x * y + y * z + z * x));
     } else {
         const double solid = CPM_TWO_PI * (1.0 - cpm_cos(e->light->cutoff));
         leeway.angle = pass->bundle_tolerance * sqrt(share * solid / CPM_PI);
@@ -166,6 +170,7 @@ cpm_status cpm_emitters_create(const cpm_pass *pass, uint64_t photons, uint64_t 
     for (size_t i = 0; i < lights && !status; i++) {
         double mean_squared = 0.0;
         e[i].light = &scene->lights[i];
+        e[i].number = i;
         e[i].data.cutoff = 1.0 - cpm_cos(scene->lights[i].cutoff);
         const cpm_vec at = scene->lights[i].position, axis = scene->lights[i].axis;
         memcpy(e[i].data.position, (const double[3]){at.x, at.y, at.z}, sizeof e[i].data.position);
@@ -175,6 +180,8 @@ cpm_status cpm_emitters_create(const cpm_pass *pass, uint64_t photons, uint64_t 
             status = cpm_fail(scene->context, CPM_ERROR_OUT_OF_MEMORY, "no memory for a light");
         else if (scene->lights[i].kind == CPM_LIGHT_AREA)
             status = prepare_area(pass, &e[i], seed, &mean_squared);
+        else if (cpm_light_is_far(&scene->lights[i]))
+            status = cpm_far_begin(pass, &e[i], project, &factor[i]);
         else {
             e[i].region = cpm_region_at(pass, scene->lights[i].position, scene->lights[i].axis);
             double n = cpm_pass_index(pass, cpm_region_medium(&e[i].region), -1, scene->lights[i].position);
@@ -185,7 +192,7 @@ cpm_status cpm_emitters_create(const cpm_pass *pass, uint64_t photons, uint64_t 
         }
         cpm_random r = cpm_philox(seed, (uint32_t)i, 3, CPM_STREAM_EMIT, 0);
         memcpy(e[i].data.shift, r.v, sizeof e[i].data.shift);
-        factor[i] = power_of(pass, &scene->lights[i], mean_squared);
+        if (!cpm_light_is_far(&scene->lights[i])) factor[i] = power_of(pass, &scene->lights[i], mean_squared);
         total += power[i] = factor[i] * mean_emission(pass, i);
     }
     if (!status) {
@@ -198,6 +205,10 @@ cpm_status cpm_emitters_create(const cpm_pass *pass, uint64_t photons, uint64_t 
         e[i].data.count = (double)e[i].count;
         for (size_t b = 0; b < pass->bins; b++)
             e[i].weight[b] = (float)(factor[i] * pass->emission[i * pass->bins + b] / (expected[i] * *scale));
+        if (cpm_light_is_far(&scene->lights[i])) {
+            e[i].power_factor /= expected[i] * *scale;
+            continue;
+        }
         if (project && scene->lights[i].kind != CPM_LIGHT_AREA) status = cpm_project(pass, &e[i], stats);
         e[i].data.rows = e[i].projection.rows, e[i].data.columns = e[i].projection.columns;
     }
@@ -213,7 +224,7 @@ cpm_status cpm_emitters_create(const cpm_pass *pass, uint64_t photons, uint64_t 
 
 void cpm_emitters_free(cpm_emitter *emitters, size_t count) {
     for (size_t i = 0; emitters && i < count; i++) {
-        free(emitters[i].weight), free(emitters[i].area);
+        free(emitters[i].weight), free(emitters[i].area), free(emitters[i].inside);
         free(emitters[i].projection.cumulative), free(emitters[i].projection.weight);
         free(emitters[i].projection.guide);
     }

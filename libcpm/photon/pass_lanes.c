@@ -52,6 +52,18 @@ static void emit_area_block(const cpm_emitter_data *e, const cpm_triangle *trian
     }
 }
 
+static void emit_far_block(const cpm_emitter_data *e, const double *cumulative, const float *weight, uint64_t index,
+                           size_t count, cpm_emissions *out) {
+    for (int part = 0; part < LANES_OF(count); part++) {
+        real3 point, direction;
+        real power =
+            emit_far(e, cumulative, weight, indices_from(index + (uint64_t)(part * CPM_WIDTH)), &point, &direction);
+        store_doubles(power, out->weight, part);
+        store_block(point, out->position, part);
+        store_block(direction, out->direction, part);
+    }
+}
+
 static void meet_block(uint64_t seed, double scale, size_t count, cpm_meetings *m) {
     for (int part = 0; part < LANES_OF(count); part++) {
         cpm_encounter e;
@@ -84,4 +96,5 @@ static void settle_block(const cpm_powers *all, size_t count, const cpm_dither_t
 }
 
 extern const cpm_pass_code NAME(cpm_pass_code);
-const cpm_pass_code NAME(cpm_pass_code) = {emit_delta_block, emit_area_block, meet_block, power_block, settle_block};
+const cpm_pass_code NAME(cpm_pass_code) = {emit_delta_block, emit_area_block, meet_block,
+                                           power_block,      settle_block,    emit_far_block};

@@ -12,9 +12,9 @@
 #define CPM_BLOCK 16 /* paths at a time: their numbers stay in the nearest cache (64: 8 % slower) */
 
 typedef struct cpm_emissions {
-    double position[3][CPM_BLOCK], normal[3][CPM_BLOCK]; /* of area lights only */
+    double position[3][CPM_BLOCK], normal[3][CPM_BLOCK]; /* of area lights only; position of far ones too */
     double direction[3][CPM_BLOCK];
-    double weight[CPM_BLOCK]; /* of point and spot lights only */
+    double weight[CPM_BLOCK]; /* of point, spot and far lights only */
     int32_t primitive[CPM_BLOCK];
 } cpm_emissions;
 
@@ -48,6 +48,9 @@ typedef struct cpm_pass_code {
                   double *emitted);
     /* Stores powers, then plays roulette with them. */
     void (*settle)(const cpm_powers *all, size_t count, const cpm_dither_table *table, const cpm_roulette_rows *rows);
+    /* As emit_delta and emit_area: position, direction and weight. */
+    void (*emit_far)(const cpm_emitter_data *e, const double *cumulative, const float *weight, uint64_t index,
+                     size_t count, cpm_emissions *out);
 } cpm_pass_code;
 
 const cpm_pass_code *cpm_pass_code_chosen(void);

@@ -42,7 +42,8 @@ static cpm_vec origin_of(const cpm_pass *pass, cpm_box box, double diagonal) {
         const double *c = scene->camera.origin;
         if (scene->has_camera) return cpm_v(c[0], c[1], c[2]);
         for (size_t i = 0; i < scene->light_count; i++)
-            if (scene->lights[i].kind != CPM_LIGHT_AREA) return scene->lights[i].position;
+            if (scene->lights[i].kind != CPM_LIGHT_AREA && !cpm_light_is_far(&scene->lights[i]))
+                return scene->lights[i].position;
     }
     return cpm_v(0.5 * (box.low[0] + box.high[0]), 0.5 * (box.low[1] + box.high[1]), 0.5 * (box.low[2] + box.high[2]));
 }

@@ -63,7 +63,12 @@ typedef struct cpm_emitter {
     cpm_projection projection; /* no cells: all directions alike */
     cpm_region region;         /* where a point or spot light sits */
     double *area;              /* area light: cumulative area of its triangles */
-    double power_factor;       /* area light: 1/mean n^2, so that a weight of 1 is the mean */
+    double power_factor;       /* area light: 1/mean n^2, so that a weight of 1 is the mean; far light: power of a path
+                                  over the scale, per radiance and m2 of the box's shadow */
+    size_t number;             /* of the light */
+    cpm_box box;               /* far light: what its paths cross first */
+    int32_t traced_back;       /* far light: what a path brings is found by tracing it back to the extent */
+    cpm_pass *inside;          /* far light where light bends: the pass with the box for its extent; NULL: none */
 } cpm_emitter;
 
 /* project.c */
@@ -78,6 +83,14 @@ void cpm_emitters_free(cpm_emitter *emitters, size_t count);
 size_t cpm_emit(const cpm_pass *pass, const cpm_emitter *emitter, uint64_t path, size_t count, cpm_emissions *made,
                 cpm_flight *flights, uint32_t *paths, float *weights);
 
+/* far.c: suns and environments. A light's solid angle times the mean shadow of the box that its paths cross first times
+ * n^2 there: 0 where there is nothing to shine on. Fills the emitter's data. */
+cpm_status cpm_far_begin(const cpm_pass *pass, cpm_emitter *emitter, int32_t project, double *factor);
+/* Starts paths [path, path + count), count <= CPM_BLOCK: the number of flights made, one a path, or one a path and bin
+ * where the medium disperses; each with its path's number and its powers, pass->bins of them at i * bins, or the one of
+ * its bin there. `arrivals` is scratch; all hold CPM_BLOCK x bins. */
+size_t cpm_far_emit(const cpm_pass *pass, const cpm_emitter *emitter, uint64_t path, size_t count, cpm_emissions *made,
+                    cpm_flight *flights, cpm_arrival *arrivals, uint32_t *paths, float *powers);
 /* Powers of a path of weight 1 that starts so, over the scale: bins, e->weight or `own` filled in. */
 const float *cpm_emit_spectrum(const cpm_pass *pass, const cpm_emitter *emitter, const cpm_flight *flight, float *own);
 

@@ -59,6 +59,12 @@ typedef struct task { /* one thread's */
             cpm_powers powers[CPM_BLOCK];
         } meeting;
     } block;
+    struct { /* scratch of a block of far lights' paths, CPM_BLOCK x bins each; NULL until needed */
+        cpm_flight *flights;
+        cpm_arrival *arrivals;
+        uint32_t *paths;
+        float *powers;
+    } far;
     int failed;
 } task;
 
@@ -352,6 +358,32 @@ static void emit_block(task *t, const cpm_emitter *e, uint64_t path, size_t coun
     }
 }
 
+/* The same of a sun or an environment. */
+static void emit_far_block(task *t, const cpm_emitter *e, uint64_t path, size_t count) {
+    const size_t bins = t->pass->bins, most = CPM_BLOCK * bins;
+    if (!t->far.flights) {
+        t->far.flights = malloc(most * sizeof *t->far.flights);
+        t->far.arrivals = malloc(most * sizeof *t->far.arrivals);
+        t->far.paths = malloc(most * sizeof *t->far.paths);
+        t->far.powers = malloc(most * bins * sizeof *t->far.powers);
+        if (!t->far.flights || !t->far.arrivals || !t->far.paths || !t->far.powers) t->failed = 1;
+        if (t->failed) return;
+    }
+    const size_t made = cpm_far_emit(t->pass, e, path, count, &t->block.emission.made, t->far.flights, t->far.arrivals,
+                                     t->far.paths, t->far.powers);
+    uint32_t last = UINT32_MAX;
+    if (t->together) t->leeway = cpm_emitter_leeway(t->pass, e, 1.0f); /* what survive() gives to each */
+    for (size_t i = 0; i < made && !t->failed; i++) {
+        const cpm_flight *f = &t->far.flights[i];
+        const cpm_walker w = {.path = t->far.paths[i], .direct = 1};
+        size_t first, carries = carried(t, f, &first);
+        t->emitted += w.path != last;
+        last = w.path;
+        account(t, f, &t->far.powers[i * bins], CPM_EMITTED);
+        survive(t, &w, f, &t->far.powers[i * bins], carries);
+    }
+}
+
 static void emit_batch(task *t, uint64_t first, uint64_t end) {
     const cpm_emitter *e = t->emitters, *last = t->emitters + t->emitter_count;
     while (first < end && !t->failed) {
@@ -360,7 +392,10 @@ static void emit_batch(task *t, uint64_t first, uint64_t end) {
         uint64_t count = e->first + e->count - first;
         if (count > end - first) count = end - first;
         if (count > CPM_BLOCK) count = CPM_BLOCK;
-        emit_block(t, e, first, (size_t)count);
+        if (cpm_light_is_far(e->light))
+            emit_far_block(t, e, first, (size_t)count);
+        else
+            emit_block(t, e, first, (size_t)count);
         first += count;
     }
 }
@@ -575,6 +610,7 @@ cpm_status cpm_trace_paths(const cpm_pass *pass, const cpm_emitter *emitters, si
         t.now.bins = t.next.bins = t.parted.bins = pass->bins;
         t.together = cpm_pass_bundles(pass);
         if (!shared.failed) work(&t, &shared, number == 0);
+        free(t.far.flights), free(t.far.arrivals), free(t.far.paths), free(t.far.powers);
         crowd_free(&t.now), crowd_free(&t.next), crowd_free(&t.parted), free(t.arrivals);
         cpm_bundles_free(&t.bundles);
         for (int p = 0; p < CPM_POPULATIONS && !shared.failed; p++) shared.parts[p * threads + number] = t.parts[p];

@@ -20,11 +20,8 @@ cpm_status cpm_gather_begin(cpm_context *context, const cpm_photons *photons, co
 /* Scratch of one thread: a query a map. 0: out of memory. */
 int cpm_gather_queries(const cpm_gather *gather, cpm_map_query *queries[CPM_POPULATIONS]);
 void cpm_gather_queries_free(cpm_map_query *queries[CPM_POPULATIONS]);
-/* Irradiance of all maps at a surface point (metres) of the world, on the side of the unit normal; overwrites
+/* Irradiance of all maps where an eye ray of the world has arrived, on the side that it came from; overwrites
  * irradiance[bins]. */
-void cpm_gather_irradiance(const cpm_gather *gather, const cpm_world *world, cpm_map_query *queries[CPM_POPULATIONS],
-                           cpm_vec point, cpm_vec normal, double *irradiance);
-/* The same where an eye ray has arrived. */
 void cpm_gather_seen(const cpm_gather *gather, const cpm_world *world, cpm_map_query *queries[CPM_POPULATIONS],
                      const cpm_arrival *arrival, double *irradiance);
 /* The order in which populations are searched: the widest discs first, mostly. */

@@ -77,23 +77,18 @@ void cpm_gather_queries_free(cpm_map_query *queries[CPM_POPULATIONS]) {
 
 const int cpm_gather_order[CPM_POPULATIONS] = {CPM_LATER, CPM_DIRECT, CPM_CAUSTIC};
 
-void cpm_gather_irradiance(const cpm_gather *gather, const cpm_world *world, cpm_map_query *queries[CPM_POPULATIONS],
-                           cpm_vec point, cpm_vec normal, double *irradiance) {
-    const cpm_photons *photons = gather->photons;
-    const cpm_vec local = cpm_sub(point, photons->origin);
+void cpm_gather_seen(const cpm_gather *gather, const cpm_world *world, cpm_map_query *queries[CPM_POPULATIONS],
+                     const cpm_arrival *arrival, double *irradiance) {
+    const cpm_hit *hit = &arrival->hit;
+    const cpm_vec normal = world_shading_normal(world, hit, eye_facing(world, arrival));
+    const cpm_vec placed = cpm_sub(hit->position, gather->photons->origin);
     const uint32_t nearest = (uint32_t)gather->nearest;
     double whole = 0.0;
-    memset(irradiance, 0, photons->bins * sizeof *irradiance);
+    memset(irradiance, 0, gather->photons->bins * sizeof *irradiance);
     for (int i = 0; i < CPM_POPULATIONS; i++) {
         const int t = cpm_gather_order[i];
         if (queries[t] && cpm_query_room(queries[t], nearest))
-            world_gather(world, gather->geometry != NULL, &queries[t]->state, nearest, gather->max_radius[t], point,
-                         local, normal, &whole, irradiance);
+            world_gather(world, gather->geometry != NULL, &queries[t]->state, nearest, gather->max_radius[t], hit,
+                         placed, normal, &whole, irradiance);
     }
-}
-
-void cpm_gather_seen(const cpm_gather *gather, const cpm_world *world, cpm_map_query *queries[CPM_POPULATIONS],
-                     const cpm_arrival *arrival, double *irradiance) {
-    const cpm_vec normal = world_shading_normal(world, &arrival->hit, eye_facing(world, arrival));
-    cpm_gather_irradiance(gather, world, queries, arrival->hit.position, normal, irradiance);
 }

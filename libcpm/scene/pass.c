@@ -38,7 +38,7 @@ static void find_extent(cpm_pass *pass) {
         pass->center =
             cpm_v(0.5 * (box.low[0] + box.high[0]), 0.5 * (box.low[1] + box.high[1]), 0.5 * (box.low[2] + box.high[2]));
     for (size_t i = 0; i < scene->light_count; i++)
-        if (scene->lights[i].shape < 0) {
+        if (scene->lights[i].shape < 0 && !cpm_light_is_far(&scene->lights[i])) {
             cpm_vec p = scene->lights[i].position;
             grow_box(&box, (const double[3]){p.x, p.y, p.z});
         }
@@ -65,7 +65,7 @@ static void find_extent(cpm_pass *pass) {
 
 static int32_t method_of(const cpm_scene_options *o, const cpm_medium *medium) {
     return cpm_medium_needs_exact(medium) ? CPM_METHOD_EXACT
-                                          : cpm_method_in(medium, o->method, o->exclude, o->step, o->rtol);
+                                          : cpm_method_in(medium, o->method, o->exclude, o->step);
 }
 
 static cpm_way way_of(int32_t method, const cpm_medium *medium) {
@@ -95,6 +95,15 @@ static cpm_status look_at_media(cpm_pass *pass) {
         if (pass->way[m] == CPM_WAY_INTEGRATED) pass->features |= CPM_FEATURE_INTEGRATOR;
         if (pass->disperses[m]) pass->features |= CPM_FEATURE_DISPERSION;
     }
+    for (size_t m = 0; m < scene->medium_count; m++)
+        if (scene->media[m].medium->extinction) pass->features |= CPM_FEATURE_EXTINCTION;
+    if (pass->features & CPM_FEATURE_EXTINCTION) {
+        pass->extinction = calloc(scene->medium_count * pass->bins, sizeof *pass->extinction);
+        if (!pass->extinction) return cpm_fail(pass->context, CPM_ERROR_OUT_OF_MEMORY, "no memory for extinctions");
+        for (size_t i = 0; i < scene->medium_count * pass->bins; i++)
+            pass->extinction[i] =
+                cpm_medium_extinction(scene->media[i / pass->bins].medium, pass->wavelengths[i % pass->bins]);
+    }
     if (scene->medium_count > 1) pass->features |= CPM_FEATURE_BOUNDARIES | CPM_FEATURE_SPECULAR;
     return CPM_OK;
 }
@@ -111,8 +120,10 @@ static void look_at_surfaces(cpm_pass *pass) {
         }
     }
     for (size_t l = 0; l < scene->light_count; l++) {
-        int delta = scene->lights[l].kind != CPM_LIGHT_AREA;
-        pass->features |= delta ? CPM_FEATURE_DELTA_LIGHTS | CPM_FEATURE_PROJECTION : CPM_FEATURE_AREA_LIGHTS;
+        const int area = scene->lights[l].kind == CPM_LIGHT_AREA, far = cpm_light_is_far(&scene->lights[l]);
+        pass->features |= far    ? CPM_FEATURE_SKY
+                          : area ? CPM_FEATURE_AREA_LIGHTS
+                                 : CPM_FEATURE_DELTA_LIGHTS | CPM_FEATURE_PROJECTION;
         for (size_t b = 0; b < pass->bins; b++)
             pass->emission[l * pass->bins + b] = cpm_spectrum_at(&scene->lights[l].emission, pass->wavelengths[b]);
     }
@@ -158,6 +169,7 @@ cpm_status cpm_pass_begin_with(cpm_context *context, cpm_scene *scene, const cpm
         for (size_t m = 0; m < media; m++) straight |= pass->way[m] == CPM_WAY_STRAIGHT;
         status = cpm_scene_prepare(context, scene, straight, curved);
     }
+    if (!status && (pass->features & CPM_FEATURE_SKY)) status = cpm_sky_begin(pass);
     if (!status) {
         pass->geometry = scene->geometry;
         find_extent(pass);
@@ -177,6 +189,8 @@ cpm_status cpm_pass_take_bundles(cpm_pass *pass, double tolerance, int32_t neare
 }
 
 void cpm_pass_end(cpm_pass *pass) {
+    cpm_sky_end(pass);
+    free(pass->extinction);
     cpm_world_end(pass);
     free(pass->wavelengths), free(pass->reflectance), free(pass->reflectance_max), free(pass->scale);
     free(pass->index), free(pass->disperses), free(pass->way), free(pass->method), free(pass->emission);

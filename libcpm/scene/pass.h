@@ -1,6 +1,7 @@
 /* scene/pass.h: a scene at given wavelengths: everything looked up once, before any ray runs. */
 #ifndef CPM_SCENE_PASS_H
 #define CPM_SCENE_PASS_H
+#include "cl/types/sky.h"
 #include "cl/shared/bins.h"
 #include "cl/shared/region.h"
 #include "scene.h"
@@ -27,7 +28,9 @@ typedef struct cpm_pass {
     uint8_t *disperses;     /* media: n differs between the bins */
     uint8_t *way;           /* media: cpm_way */
     uint8_t *method;        /* media: cpm_method that runs */
-    double *emission;       /* lights x bins */
+    double *extinction;     /* media x bins: over n - 1, 1/m; NULL: nothing dims */
+    double *emission;       /* lights x bins; of an image its mean over all directions */
+    struct cpm_sky *sky;    /* lights: what suns and environments look like; NULL: there are none */
     cpm_box extent;
     cpm_box box;     /* of the geometry */
     double reach;    /* a good length of one curved piece, metres: the geometry's diagonal */
@@ -53,6 +56,17 @@ cpm_status cpm_check_wavelengths(cpm_context *context, const double *wavelengths
 /* What contains a point; on a boundary, what `direction` enters. */
 cpm_region cpm_region_at(const cpm_pass *pass, cpm_vec point, cpm_vec direction);
 
+/* A sun or an environment at the pass's wavelengths (sky.c). */
+typedef struct cpm_sky {
+    cpm_sky_data data;
+    double *limb;  /* bins x 6: of the radiance over its mean */
+    float *pixels; /* height x width x bins */
+} cpm_sky;
+cpm_status cpm_sky_begin(cpm_pass *pass);
+void cpm_sky_end(cpm_pass *pass);
+/* Basic radiance seen in a unit direction at the extent, bins [first, first + count); 0: none of this light. */
+int cpm_sky_radiance(const cpm_pass *pass, size_t light, cpm_vec direction, size_t first, size_t count,
+                     double *radiance);
 /* Bundles may stay together where a medium disperses (backend/native/bundles.h). */
 static inline int cpm_pass_bundles(const cpm_pass *pass) {
     return pass->bundle_tolerance > 0.0 && (pass->features & CPM_FEATURE_DISPERSION);

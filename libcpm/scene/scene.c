@@ -96,7 +96,7 @@ void cpm_scene_release(cpm_scene *scene) {
     cpm_geometry_free(scene->geometry);
     for (size_t i = 0; i < scene->material_count; i++) cpm_spectrum_free(&scene->materials[i].reflectance);
     for (size_t i = 0; i < scene->medium_count; i++) cpm_medium_release(scene->media[i].medium);
-    for (size_t i = 0; i < scene->light_count; i++) cpm_spectrum_free(&scene->lights[i].emission);
+    for (size_t i = 0; i < scene->light_count; i++) cpm_light_free(&scene->lights[i]);
     free(scene->triangles), free(scene->spheres), free(scene->normals);
     free(scene->triangle_shape), free(scene->sphere_shape);
     free(scene->shapes), free(scene->materials), free(scene->media), free(scene->lights);
@@ -201,8 +201,12 @@ cpm_status cpm_scene_add_light(cpm_scene *scene, const cpm_light_desc *desc, int
         if (!finite3(d.position))
             return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "light: position is (%g, %g, %g); it must be finite",
                             d.position[0], d.position[1], d.position[2]);
+    } else if (d.kind == CPM_LIGHT_SUN || d.kind == CPM_LIGHT_ENVIRONMENT) {
+        cpm_status status = cpm_light_take_far(context, &d, &l);
+        if (status) return status;
     } else {
-        return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT, "light: kind is %d; allowed: point 1, spot 2, area 3", d.kind);
+        return cpm_fail(context, CPM_ERROR_INVALID_ARGUMENT,
+                        "light: kind is %d; allowed: point 1, spot 2, area 3, sun 4, environment 5", d.kind);
     }
     if (d.kind == CPM_LIGHT_SPOT) {
         cpm_vec axis = cpm_sub(cpm_v(d.target[0], d.target[1], d.target[2]), l.position);
@@ -215,14 +219,18 @@ cpm_status cpm_scene_add_light(cpm_scene *scene, const cpm_light_desc *desc, int
                             d.cutoff);
         l.axis = cpm_unit(axis);
         l.cutoff = d.cutoff * RADIANS;
-    } else {
+    } else if (!cpm_light_is_far(&l)) {
         l.axis = cpm_v(0.0, 0.0, 1.0);
         l.cutoff = 180.0 * RADIANS;
     }
-    cpm_status status = cpm_spectrum_copy(context, &d.emission, "light: emission", 0.0, 1e300, &l.emission);
-    if (status) return status;
+    cpm_status status = CPM_OK;
+    if (!l.pixels) status = cpm_spectrum_copy(context, &d.emission, "light: emission", 0.0, 1e300, &l.emission);
+    if (status) {
+        cpm_light_free(&l);
+        return status;
+    }
     if (!cpm_grow((void **)&scene->lights, &scene->light_capacity, scene->light_count, 1, sizeof l)) {
-        cpm_spectrum_free(&l.emission);
+        cpm_light_free(&l);
         return cpm_fail(context, CPM_ERROR_OUT_OF_MEMORY, "no memory for a light");
     }
     if (l.shape >= 0) scene->shapes[l.shape].light = (int32_t)scene->light_count;

@@ -49,10 +49,25 @@ typedef struct bounded_medium {
 typedef struct light {
     int32_t kind; /* cpm_light_kind */
     int32_t shape;
-    cpm_vec position, axis;
-    double cutoff; /* radians */
+    cpm_vec position, axis; /* axis of a sun: towards it; of an environment: up */
+    double cutoff;          /* radians; of a sun: its angular radius */
     spectrum emission;
+    cpm_vec north; /* environment: the middle of its image */
+    float *pixels; /* height x width x emission.count, NULL: none */
+    int32_t width, height;
+    double *limb; /* limb_count x CPM_LIMB_ROW, NULL: none */
+    size_t limb_count;
+    cpm_box aim;
+    int32_t has_aim;
 } light;
+
+static inline int cpm_light_is_far(const light *l) {
+    return l->kind == CPM_LIGHT_SUN || l->kind == CPM_LIGHT_ENVIRONMENT;
+}
+/* sky_light.c: takes what a sun or an environment brings, checked. */
+#define CPM_LIMB_ROW 7 /* wavelength, a0 ... a5 */
+cpm_status cpm_light_take_far(cpm_context *context, const cpm_light_desc *desc, light *to);
+void cpm_light_free(light *l);
 
 struct cpm_scene {
     atomic_int references;

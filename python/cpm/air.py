@@ -27,6 +27,7 @@ __all__ = [
     "iag1999",
     "king_factor",
     "rayleigh_cross_section",
+    "rayleigh_extinction",
     "refractivity",
     "saturation_pressure",
     "vapour_pressure",
@@ -220,6 +221,29 @@ def rayleigh_cross_section(wavelength: npt.ArrayLike, co2: float = 450.0) -> Flo
     density = 101325.0 / (_BOLTZMANN * 288.15)
     lorenz = (square - 1.0) / (square + 2.0)
     return 24.0 * np.pi**3 / (metres**4 * density**2) * lorenz**2 * king_factor(wavelength, co2)
+
+
+def rayleigh_extinction(wavelength: npt.ArrayLike, co2: float = 450.0) -> FloatArray:
+    """Extinction by Rayleigh scattering over refractivity n − 1, both at the wavelength and of any density of dry air.
+
+    Both are proportional to the number of molecules, so that the optical depth of a path is this times ∫ (n − 1) ds along
+    it.
+
+    Parameters
+    ----------
+    wavelength : array_like
+        nm.
+    co2 : float
+        ppm.
+
+    Returns
+    -------
+    ndarray
+        1/m.
+    """
+    density = 101325.0 / (_BOLTZMANN * 288.15)
+    standard = refractivity(wavelength, 288.15, 101325.0, 0.0, "ciddor", co2)
+    return np.asarray(rayleigh_cross_section(wavelength, co2) * density / standard)
 
 
 def gas_coefficients(

@@ -38,6 +38,8 @@ _MEANING = {
     "area_lights": "emission from shapes",
     "projection": "photons only where something may be hit",
     "delta_lights": "point or spot lights",
+    "extinction": "air dims light on its way",
+    "sky": "a sun or an environment beyond the extent",
 }
 
 #: The trial: small, so that an explanation takes seconds, and several in turn, since machines are noisy.

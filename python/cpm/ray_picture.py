@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ._arrays import FloatArray
+from .lights import Environment, Sun
 from .rays import Rays, trace
 from .scene import Scene
 from .section import Section, light_source
@@ -56,7 +57,8 @@ def ray_picture(scene: Scene, rays: int = 25, light: int | None = None, title: s
 
     if rays < 1:
         raise ValueError(f"rays is {rays}; at least 1 is needed")
-    lights = scene.lights if light is None else scene.lights[light : light + 1] if light >= 0 else []
+    near = [source for source in scene.lights if not isinstance(source, (Sun, Environment))]  # the others have no place
+    lights = near if light is None else scene.lights[light : light + 1] if light >= 0 else []
     if not lights:
         asked = "light is None" if light is None else f"light is {light}"
         allowed = f"0 to {len(scene.lights) - 1} are allowed" if scene.lights else "rays start at lights"

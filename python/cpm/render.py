@@ -12,7 +12,7 @@ from ._arrays import as_integer, as_number
 from ._progress import ProgressLike, reporting
 from .devices import device_index
 from .image import Image
-from .lights import light_spectrum
+from .lights import Environment, Sun, light_spectrum
 from .photons import Photons
 from .scene import Scene
 from .settings import MAX_BATCH, resolve
@@ -124,6 +124,8 @@ def _why_black(scene: Scene, stats: dict[str, Any], wavelengths: Any) -> str:
         return "the scene has no lights (Scene.add_light, [[lights]])"
     if not any(np.any(light_spectrum(light).at(wavelengths)) for light in scene.lights):
         return "no light emits at these wavelengths"
+    if any(isinstance(light, (Sun, Environment)) for light in scene.lights) and not scene.shapes:
+        return "no eye ray leaves the scene towards its sun or environment"
     if not scene.shapes:
         return "the scene has no shapes"
     stored = sum(stats[f"photons_stored_{kind}"] for kind in ("direct", "later", "caustic"))

@@ -9,10 +9,11 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from ._arrays import VectorLike, as_number, as_points
+from ._arrays import Vector, VectorLike, as_number, as_points, as_vector
+from ._sky import SkyImage, compass, limb_table, towards
 from .bounds import Bounds, Box, Sphere
 from .camera import Camera
-from .lights import Area, Light, Point, Spot
+from .lights import Area, Environment, Light, Point, Spot, Sun
 from .materials import Dielectric, Material, as_material
 from .media import Grid, Medium, as_medium
 from .settings import RenderSettings
@@ -119,6 +120,14 @@ class Scene:
     @extent.setter
     def extent(self, value: Box | None) -> None:
         self._extent, self._handle = _as_extent(value), None
+
+    @property
+    def up(self) -> Vector:
+        """The medium's up (of a sum: of its first term that has one), else +y: whose sky it is."""
+        for term in getattr(self._medium, "terms", (self._medium,)):
+            if hasattr(term, "up"):
+                return as_vector(term.up, "up")
+        return (0.0, 1.0, 0.0)
 
     @property
     def camera(self) -> Camera | None:
@@ -232,8 +241,10 @@ class Scene:
         elif isinstance(light, Area):
             spectrum, index = light.radiance._core(), self._own(light.shape).index
             self._add(lambda core: core.add_area(index, spectrum))
+        elif isinstance(light, (Sun, Environment)):
+            self._add(lambda core: _add_far(core, light, self.up))
         else:
-            raise TypeError(f"light is {light!r}; one of cpm.lights (Point, Spot, Area) is needed")
+            raise TypeError(f"light is {light!r}; one of cpm.lights (Point, Spot, Area, Sun, Environment) is needed")
         self.lights.append(light)
         return light
 
@@ -279,6 +290,20 @@ class Scene:
         handle = self._handle if self._handle is not None else self._open()
         self._in_use = True
         return handle
+
+
+def _add_far(core: _core.Scene, light: Sun | Environment, scene_up: Vector) -> int:
+    up = scene_up if light.up is None else light.up
+    aim = None if light.aim is None else (light.aim.low, light.aim.high)
+    if isinstance(light, Sun):
+        limb = limb_table() if light.limb_darkening else None
+        return core.add_sun(towards(light.elevation, light.azimuth, up), light.angular_radius, light.radiance._core(),
+                            limb, aim)
+    if not isinstance(light.radiance, SkyImage):
+        return core.add_environment(light.radiance._core(), aim)
+    axis, north, _ = compass(up)
+    image = light.radiance
+    return core.add_sky_image(image.wavelengths, image.values, as_vector(axis, "up"), as_vector(north, "north"), aim)
 
 
 def _as_extent(extent: Box | None) -> Box | None:

@@ -7,7 +7,7 @@ import numpy as np
 
 from ._arrays import FloatArray
 from .bounds import Box, Sphere
-from .lights import Area, Spot
+from .lights import Area, Environment, Spot, Sun
 from .scene import Scene
 from .shapes import extent_of
 
@@ -139,6 +139,8 @@ class Section:
 
 def light_source(light: Any) -> tuple[FloatArray, FloatArray | None]:
     """Where a light's rays start, and what it is aimed at."""
+    if isinstance(light, (Sun, Environment)):
+        raise ValueError(f"light is a {type(light).__name__}, infinitely far away; rays are drawn from other lights only")
     if not isinstance(light, Area):
         return np.array(light.position), np.array(light.target) if isinstance(light, Spot) else None
     if light.shape.vertices is None:

@@ -254,6 +254,36 @@ static void photons_come_in_parts_where_memory_is_small(void **state) {
     cpm_context_release(context);
 }
 
+/* A room of one n with diffuse walls needs at most 40 % of the source of all kernels of the pass. */
+static void a_plain_scene_needs_little_source(void **state) {
+    (void)state;
+    static const char *const all[] = {"follow_straight", "follow_exact", "follow_parabolas", "follow_integrated",
+                                      "behind",          "start_delta",  "start_area",       "meet",
+                                      "specular"};
+    size_t whole = 0;
+    for (size_t i = 0; i < COUNT_OF(all); i++) {
+        size_t size = 0;
+        char *text = cpm_kernel_source(all[i], &size);
+        assert_non_null(text);
+        whole += size;
+        free(text);
+    }
+    const char *kept = getenv("CPM_CACHE_DIR");
+    char folder[512] = "";
+    if (kept) snprintf(folder, sizeof folder, "%s", kept);
+    setenv("CPM_CACHE_DIR", "", 1);
+    cpm_context *context = new_context();
+    cpm_scene *scene = plain_scene(context);
+    cpm_photons_release(few_photons(context, scene, 0, CPM_OK));
+    cpm_device_stats stats = {.struct_size = sizeof stats};
+    assert_ok(context, cpm_context_device_stats(context, &stats));
+    assert_int_equal(stats.compiled, 3); /* start, follow, meet */
+    assert_true(stats.source_bytes > 100000 && stats.source_bytes < 2 * whole / 5);
+    cpm_scene_release(scene);
+    cpm_context_release(context);
+    if (kept) setenv("CPM_CACHE_DIR", folder, 1);
+}
+
 static void photons_stop_when_told(void **state) {
     (void)state;
     int calls = 0;
@@ -289,6 +319,7 @@ int main(void) {
         cmocka_unit_test(a_device_stops_when_told),
         cmocka_unit_test(photons_come_in_parts_where_memory_is_small),
         cmocka_unit_test(photons_stop_when_told),
+        cmocka_unit_test(a_plain_scene_needs_little_source),
         cmocka_unit_test(a_source_is_one_text),
     };
     return cmocka_run_group_tests(tests, make_cache, NULL);

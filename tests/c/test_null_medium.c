@@ -488,8 +488,31 @@ static void rays(void **state) {
     cpm_context_release(context);
 }
 
+static void extinction(void **state) {
+    (void)state;
+    cpm_context *context = new_context();
+    cpm_medium *m = plain_medium(context);
+    const double w[2] = {400, 700}, v[2] = {2, 1}, falling[2] = {700, 400}, negative[2] = {1, -1};
+    assert_int_equal(cpm_medium_set_extinction(NULL, m, w, v, 2), REFUSED);
+    assert_status(context, REFUSED, cpm_medium_set_extinction(context, NULL, w, v, 2));
+    assert_status(context, REFUSED, cpm_medium_set_extinction(context, m, NULL, v, 2));
+    assert_status(context, REFUSED, cpm_medium_set_extinction(context, m, w, NULL, 2));
+    assert_status(context, REFUSED, cpm_medium_set_extinction(context, m, w, v, 0));
+    assert_status(context, REFUSED, cpm_medium_set_extinction(context, m, falling, v, 2));
+    assert_status(context, REFUSED, cpm_medium_set_extinction(context, m, w, negative, 2));
+    for (size_t i = 0; i < COUNT_OF(not_numbers); i++) {
+        assert_status(context, REFUSED, cpm_medium_set_extinction(context, m, w, &not_numbers[i], 1));
+        assert_status(context, REFUSED, cpm_medium_set_extinction(context, m, &not_numbers[i], v, 1));
+    }
+    assert_ok(context, cpm_medium_set_extinction(context, m, w, v, 2));
+    assert_status(context, REFUSED, cpm_medium_set_extinction(context, m, w, v, 2)); /* once */
+    cpm_medium_release(m);
+    cpm_context_release(context);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(extinction),
         cmocka_unit_test(media_simple),     cmocka_unit_test(media_dispersion), cmocka_unit_test(media_catalogue), cmocka_unit_test(media_lenses),
         cmocka_unit_test(media_sources),    cmocka_unit_test(media_tables),     cmocka_unit_test(media_shells),
         cmocka_unit_test(media_expression), cmocka_unit_test(media_sum),        cmocka_unit_test(medium_evaluate),

@@ -156,7 +156,7 @@ static void bounds_lights_cameras(void **state) {
                                  .emission = flat(&ten)};
     assert_ok(context, cpm_scene_add_light(s, &spot, NULL));
     cpm_light_desc l;
-    const int32_t kinds[] = {-1, 0, 4, INT32_MAX};
+    const int32_t kinds[] = {-1, 0, 6, INT32_MAX};
     for (size_t i = 0; i < COUNT_OF(kinds); i++) {
         l = spot, l.kind = kinds[i];
         assert_status(context, REFUSED, cpm_scene_add_light(s, &l, &index));
@@ -203,9 +203,85 @@ static void bounds_lights_cameras(void **state) {
     cpm_context_release(context);
 }
 
+static void far_lights(void **state) {
+    (void)state;
+    cpm_context *context = new_context();
+    cpm_scene *s = plain_scene(context);
+    const double one = 1.0, wavelengths[2] = {500, 600};
+    const double limb[2][7] = {{500, 1}, {600, 0.5, 0.5}};
+    const float pixels[8] = {1, 1, 1, 1, 1, 1, 1, 1};
+    const cpm_box box = {{0, 0, 0}, {1, 1, 1}}, flat_box = {{0, 0, 0}, {1, 0, 1}};
+    const cpm_light_desc sun = {.struct_size = sizeof sun,
+                                .kind = CPM_LIGHT_SUN,
+                                .target = {0, 3, 4},
+                                .emission = flat(&one),
+                                .limb = limb[0],
+                                .limb_count = 2,
+                                .aim = &box};
+    const cpm_light_desc sky = {.struct_size = sizeof sky,
+                                .kind = CPM_LIGHT_ENVIRONMENT,
+                                .target = {0, 0, -1},
+                                .up = {0, 1, 0},
+                                .emission = {wavelengths, NULL, 2},
+                                .pixels = pixels,
+                                .width = 2,
+                                .height = 2};
+    cpm_light_desc l = {.struct_size = sizeof l, .kind = CPM_LIGHT_ENVIRONMENT, .emission = flat(&one)};
+    int32_t index;
+    assert_ok(context, cpm_scene_add_light(s, &sun, NULL));
+    assert_ok(context, cpm_scene_add_light(s, &sky, NULL));
+    assert_ok(context, cpm_scene_add_light(s, &l, &index));
+    assert_int_equal(index, 3);
+    l.struct_size = offsetof(cpm_light_desc, up); /* a caller from before there was a sky */
+    assert_ok(context, cpm_scene_add_light(s, &l, NULL));
+    const double radii[] = {NAN, INFINITY, -1.0, 90.0};
+    for (size_t i = 0; i < COUNT_OF(radii); i++) {
+        l = sun, l.cutoff = radii[i];
+        assert_status(context, REFUSED, cpm_scene_add_light(s, &l, &index));
+    }
+    l = sun, l.target[1] = l.target[2] = 0.0;
+    assert_status(context, REFUSED, cpm_scene_add_light(s, &l, &index));
+    l = sun, l.limb_count = 0;
+    assert_status(context, REFUSED, cpm_scene_add_light(s, &l, &index));
+    l = sun, l.aim = &flat_box;
+    assert_status(context, REFUSED, cpm_scene_add_light(s, &l, &index));
+    const double falling[2][7] = {{600, 1}, {500, 1}}, no_number[1][7] = {{500, NAN}};
+    l = sun, l.limb = falling[0];
+    assert_status(context, REFUSED, cpm_scene_add_light(s, &l, &index));
+    l = sun, l.limb = no_number[0], l.limb_count = 1;
+    assert_status(context, REFUSED, cpm_scene_add_light(s, &l, &index));
+    const int32_t sizes[] = {-1, 0, INT32_MAX};
+    for (size_t i = 0; i < COUNT_OF(sizes); i++) {
+        l = sky, l.width = l.height = sizes[i];
+        assert_status(context, REFUSED, cpm_scene_add_light(s, &l, &index));
+    }
+    l = sky, l.emission.wavelengths = NULL;
+    assert_status(context, REFUSED, cpm_scene_add_light(s, &l, &index));
+    l = sky, l.emission.count = 0;
+    assert_status(context, REFUSED, cpm_scene_add_light(s, &l, &index));
+    const float bad_pixels[3][8] = {{-1}, {0, NAN}, {0, 0, INFINITY}};
+    for (size_t i = 0; i < COUNT_OF(bad_pixels); i++) {
+        l = sky, l.pixels = bad_pixels[i];
+        assert_status(context, REFUSED, cpm_scene_add_light(s, &l, &index));
+    }
+    l = sky, l.up[1] = 0.0;
+    assert_status(context, REFUSED, cpm_scene_add_light(s, &l, &index));
+    l = sky, l.target[1] = 5.0, l.target[2] = 0.0; /* along up */
+    assert_status(context, REFUSED, cpm_scene_add_light(s, &l, &index));
+    for (size_t i = 0; i < COUNT_OF(not_numbers); i++) {
+        l = sun, l.target[1] = not_numbers[i];
+        assert_status(context, REFUSED, cpm_scene_add_light(s, &l, &index));
+        l = sun, l.emission = flat(&not_numbers[i]);
+        assert_status(context, REFUSED, cpm_scene_add_light(s, &l, &index));
+    }
+    cpm_scene_release(s);
+    cpm_context_release(context);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(scenes),
+        cmocka_unit_test(far_lights),
         cmocka_unit_test(meshes),
         cmocka_unit_test(bounds_lights_cameras),
     };

@@ -44,7 +44,6 @@ def test_rk4_loses_what_the_symplectic_keeps():
     assert run(1000, "rk4")[0] > 100 * run(1000)[0]
 
 
-@pytest.mark.xfail(strict=True, reason="float lanes count evaluations in floats: 2^24 of them are the end, whatever max_evaluations")
 def test_single_precision_counts_beyond_2_to_24():
     """16 000 periods are 1.8e7 evaluations, fewer than the 1e9 allowed."""
     rays = cpm.trace(cpm.media.Parabolic(N, alpha=ALPHA), [ORIGIN], [DIRECTION], wavelength=550.0, length=16_000 * 2 * np.pi / ALPHA,

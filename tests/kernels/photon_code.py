@@ -19,7 +19,8 @@ ISAS = {"baseline": [], "v3": ["-march=x86-64-v3"], "v4": ["-march=x86-64-v4", "
 NEEDS = {"baseline": set(), "v3": {"avx2", "fma", "bmi2"}, "v4": {"avx512f", "avx512dq", "avx512vl", "avx512bw", "avx512cd"}}
 
 EMITTER = np.dtype([("position", "f8", 3), ("axis", "f8", 3), ("cutoff", "f8"), ("radius", "f8"), ("count", "f8"),
-                    ("shift", "u4", 4), ("rows", "i4"), ("columns", "i4"), ("primitive", "i4"), ("triangles", "i4")])
+                    ("shift", "u4", 4), ("rows", "i4"), ("columns", "i4"), ("primitive", "i4"), ("triangles", "i4"),
+                    ("low", "f8", 3), ("high", "f8", 3)])
 TRIANGLE = np.dtype([("corner", "f8", 3), ("edge1", "f8", 3), ("edge2", "f8", 3), ("normal", "f8", 3),
                      ("inverse_area2", "f8"), ("tolerance", "f8"), ("near_edge", "f8"), ("normal_length", "f8")])
 PHOTON = np.dtype([("position", "f4", 3), ("direction", "u4"), ("normal", "u4"), ("spectrum", "u4"), ("path", "u4"),
@@ -32,7 +33,7 @@ MEETINGS = np.dtype([(name, "f8", (3, BLOCK)) for name in ("came", "start", "hit
                      ("direction_code", "u4", BLOCK), ("normal_code", "u4", BLOCK)])
 POWERS = np.dtype([(name, "u8") for name in ("before", "reflectance", "share", "after", "spectrum")] +
                   [("dither", "u4"), ("first", "u4"), ("bins", "u4"), ("alive", "i4")])
-FUNCTIONS = ("emit_delta", "emit_area", "meet", "power", "settle")
+FUNCTIONS = ("emit_delta", "emit_area", "meet", "power", "settle", "emit_far")
 
 
 def supported():

@@ -142,3 +142,55 @@ def test_area_of_a_sphere(context, program, codes):  # noqa: F811
     np.testing.assert_allclose(point, center + radius * normal, rtol=0, atol=4e-16)
     np.testing.assert_allclose(direction, photons.about(normal, np.sqrt(1 - s), t), rtol=0, atol=4e-15)
     assert np.all(primitive == 3)
+
+
+def into_box(e, d, p, v):
+    """Entry of direction d into the box, face by face: by the shadow of each, uniform on it."""
+    low, high = e["low"][0], e["high"][0]
+    size = high - low
+    shadows = np.abs(d) * (np.prod(size) / size)
+    whole = shadows.sum(axis=1)
+    face = (p[:, None] * whole[:, None] >= np.cumsum(shadows, axis=1)[:, :2]).sum(axis=1)
+    rows = np.arange(len(d))
+    before = np.cumsum(shadows, axis=1)[rows, face] - shadows[rows, face]
+    u = (p * whole - before) / shadows[rows, face]
+    others = np.array([(1, 2), (0, 2), (0, 1)])[face]
+    point = np.zeros_like(d)
+    point[rows, face] = np.where(d[rows, face] < 0, 1.0, 0.0)
+    point[rows, others[:, 0]], point[rows, others[:, 1]] = u, v
+    return low + point * size, whole
+
+
+@pytest.mark.parametrize("image", [False, True])
+def test_sun_and_environment(context, program, codes, image):  # noqa: F811
+    rows, columns = (6, 10) if image else (0, 0)
+    edges = np.cos(np.linspace(0, np.pi, rows + 1)) if image else np.zeros(0)
+    cumulative, _, weight = cells(rows, columns) if image else (np.zeros(1), None, np.zeros(1, np.float32))
+    e = emitter(rows=rows, columns=columns, low=(-1, 0, 2), high=(3, 1.5, 9))
+    axis = e["axis"][0]
+    north = np.cross(axis, (0.0, 0.0, 1.0))
+    e["position"] = north = north / np.linalg.norm(north)
+    tables = [np.concatenate([cumulative, edges]), weight]
+    outputs = [np.zeros((COUNT, 3)), np.zeros((COUNT, 3)), np.zeros(COUNT)]
+    point, direction, power = on_device(context, program, "cpm_emit_far", [e, *tables], outputs)
+    for isa, code in codes.items():
+        made = native(code, "emit_far", [e, *tables])
+        np.testing.assert_array_equal(made["position"].T, point, err_msg=isa)
+        np.testing.assert_array_equal(made["direction"].T, direction, err_msg=isa)
+        np.testing.assert_array_equal(made["weight"], power, err_msg=isa)
+    (u, v, p, q), walked = numbers(4)
+    if image:
+        cell = np.searchsorted(cumulative, walked, side="right") - 1
+        top, bottom = edges[cell // columns], edges[cell // columns + 1]
+        cosine, azimuth = top + u * (bottom - top), 2 * np.pi * (cell % columns + v) / columns - np.pi
+        sine, east = np.sqrt(1 - cosine**2), np.cross(north, axis)
+        toward = (np.outer(cosine, axis) + np.outer(sine * np.cos(azimuth), north) + np.outer(sine * np.sin(azimuth), east))
+        share = weight[cell].astype(float)
+    else:
+        toward, share = photons.about(np.repeat(e["axis"], COUNT, 0), 1 - u * e["cutoff"][0], v), np.ones(COUNT)
+    np.testing.assert_allclose(direction, -toward, rtol=0, atol=2e-15)
+    wanted, shadow = into_box(e, -toward, p, q)
+    np.testing.assert_allclose(power, share * shadow, rtol=1e-13)
+    near = np.abs(point - wanted).max(axis=1) < 1e-9  # a number on the border of two faces may fall on either
+    assert near.sum() >= COUNT - 2
+    assert np.all((point >= e["low"][0] - 1e-12) & (point <= e["high"][0] + 1e-12))

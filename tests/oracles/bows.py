@@ -1,9 +1,9 @@
 """The primary bow of a ball on a screen between lamp and ball, by meridional rays: all on one axis, z, in a field that
 varies along it alone.
 
-Lamp at z = `lamp`, ball of radius R about the origin, screen at z = `screen`: a ray enters, is reflected once inside,
-leaves and lands at ρ. Outside, any field of `fields` (curves by SciPy's DOP853); inside, straight; Snell with the local n
-of both sides. The bow is where ρ, as a function of where the ray leaves the lamp, has its maximum.
+Lamp at z = `lamp`, ball of radius R about the origin, screen at z = `screen`: a ray enters, is reflected once
+inside, leaves and lands at ρ. Outside, any field of `fields` (curves by SciPy's DOP853); inside, straight; Snell with
+the local n of both sides. The bow is where ρ, as a function of where the ray leaves the lamp, has its maximum.
 """
 
 from __future__ import annotations
@@ -29,7 +29,8 @@ def curve(field, start, direction, stop):
     first = np.concatenate([start, n * direction / np.linalg.norm(direction)])
     nudge = 1e-9  # off a surface that it starts on
     first[:3] += nudge * direction / np.linalg.norm(direction)
-    s = solve_ivp(slope, (0, 20), first, "DOP853", rtol=1e-12, atol=1e-14, events=event, max_step=0.03)  # not over the ball
+    # Short steps: none over the ball.
+    s = solve_ivp(slope, (0, 20), first, "DOP853", rtol=1e-12, atol=1e-14, events=event, max_step=0.03)
     if not len(s.t_events[0]):
         return None
     y = s.y_events[0][0]

@@ -1,6 +1,7 @@
 """Places in pictures to a fraction of a pixel: what gallery tests measure, and where a camera should show it.
 
-Pixels: x right, y down, from the picture's upper left corner; pixel (row, column) covers [column, column + 1] × [row, row + 1].
+Pixels: x right, y down, from the picture's upper left corner; pixel (row, column) covers [column, column + 1] ×
+[row, row + 1].
 """
 
 from __future__ import annotations
@@ -61,7 +62,7 @@ class Camera:
 
 
 def corner(values, near, half=5):
-    """The place where two light and two dark squares meet, near a place, in a picture (H, W): fit of two crossing edges."""
+    """Where two light and two dark squares meet, near a place, in a picture (H, W): fit of two crossing edges."""
     column, row = (int(np.floor(c)) for c in near)
     window = values[row - half : row + half + 1, column - half : column + half + 1]
     y, x = np.mgrid[-half : half + 1, -half : half + 1] + 0.5

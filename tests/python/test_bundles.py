@@ -177,3 +177,24 @@ def test_scene_file_says_it(tmp_path):
     path.write_text('[render]\nbundle_tolerance = -1\n')
     with pytest.raises(ValueError, match=r"render\.bundle_tolerance"):
         cpm.load_scene(path)
+
+
+@pytest.mark.filterwarnings("ignore:the picture is black")  # the wide one misses the Sun
+def test_the_sky_through_air():
+    """The Sun's limb at 5″ a pixel: directions of rays that leave are compared with the pixel. Next to no tolerance: the
+    same bits; a tenth of a pixel moves no limb by more; wide pixels share paths."""
+    scene = cpm.Scene(cpm.media.Atmosphere(cpm.atmosphere.USStandard1976()), rtol=1e-9)
+    scene.add_sphere((0, -6371e3, 0), 6371e3, material=cpm.materials.Black())
+    scene.add_light(cpm.lights.Sun(elevation=-0.8, azimuth=0.0))
+    toward = np.array([0.0, np.sin(np.radians(0.04)), -np.cos(np.radians(0.04))])
+    scene.camera = cpm.Camera.look_at((0, 10, 0), (0, 10, 0) + toward, fov=6 * 5 / 3600)
+    options = dict(size=(6, 120), photons=0, samples=4, wavelengths=np.linspace(410, 690, 8))
+    apart, least, tenth = (cpm.render(scene, bundle_tolerance=tolerance, **options).data
+                           for tolerance in (0.0, 1e-9, 0.1))
+    np.testing.assert_array_equal(apart, least)
+    assert np.all(apart[0] == 0) and np.all(apart[-1] > 0)  # from above the limb to below it
+    steep = np.abs(np.diff(apart, axis=0)).max(axis=(0, 1))  # from one pixel to the next
+    assert np.all(np.abs(tenth - apart).max(axis=(0, 1)) <= 0.3 * steep)
+    scene.camera = cpm.Camera.look_at((0, 10, 0), (0, 10, 0) + toward, fov=20.0)
+    wide = cpm.render(scene, bundle_tolerance=0.1, **options)
+    assert wide.stats["eye_segments"] < 0.5 * 8 * 4 * 6 * 120

@@ -176,9 +176,13 @@ def test_a_folder_that_closes_meanwhile_is_named_as_the_user_did(capsys, monkeyp
     assert capsys.readouterr().err == "cpm: /proc/a.png: no such file\n"
 
 
-def test_what_is_not_there_yet_is_a_failure(capsys):
-    assert run(["render", CURVED, "--backend", "opencl"]) == 1
-    assert "opencl" in capsys.readouterr().err
+@pytest.mark.skipif(len(cpm.devices()) < 2, reason="no OpenCL device")
+def test_what_a_device_cannot_do_is_a_failure_that_names_it(capsys):
+    text = Path(CURVED).read_text()
+    Path("sky.toml").write_text(text + '\n[[lights]]\ntype = "environment"\nradiance = 1.0\n')
+    assert run(["render", "sky.toml", "--backend", "opencl", "--size", "8x6", "--photons", "100"]) == 1
+    assert "a sun or an environment" in capsys.readouterr().err
+    assert files() == ["sky.toml"]
 
 
 def test_bad_scene_is_status_2(capsys):

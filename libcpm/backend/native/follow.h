@@ -17,6 +17,10 @@ typedef struct cpm_follow_options {
     void *user;
 } cpm_follow_options;
 
+/* What is left of light at a bin after a flight that was followed with options. Optical path less length is
+ * int (n - 1) ds at the wavelength whose way the flight went; at another n - 1 is in proportion. */
+double cpm_transmittance(const cpm_pass *pass, const cpm_flight *flight, const cpm_arrival *arrival, size_t bin);
+
 /* Arc length from a piece's start to theta, and theta of an arc length; `degree` as in cpm_curve. */
 double cpm_piece_arc(const cpm_piece *piece, int degree, double theta);
 double cpm_piece_theta_of_arc(const cpm_piece *piece, int degree, double arc);

@@ -69,7 +69,13 @@ static void end_lane_step(lane_queue *q, int lane) {
             q->options->sink(q->options->user, which, &piece, 5, theta < 0.0 ? 1.0 : theta);
         arrival->optical_path = rays->optical_path[lane];
         if (theta >= 0.0 || arrival->status == CPM_RAY_HIT) {
-            if (q->options) cpm_add_length(arrival, &piece, 5, theta);
+            if (q->options) {
+                cpm_add_length(arrival, &piece, 5, theta);
+                arrival->optical_path =
+                    arrival->length + cpm_column_between(rays->optical_path0[lane] - rays->length0[lane],
+                                                         rays->optical_path[lane] - rays->length[lane], piece.h,
+                                                         piece.n0, piece.n1, theta);
+            }
             retire_lane(q, lane);
             return;
         }

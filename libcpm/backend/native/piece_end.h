@@ -4,6 +4,10 @@
 #define CPM_NATIVE_PIECE_END_H
 #include "cross.h"
 
+/* int (n - 1) ds up to theta of an integrated piece, given it at both ends; and of a piece of a closed form. */
+double cpm_column_between(double before, double after, double h, double n0, double n1, double theta);
+double cpm_column_of(const cpm_curve *curve, double h, double theta);
+
 /* The arrival's length, at theta of its last piece. */
 void cpm_add_length(cpm_arrival *arrival, const cpm_piece *piece, int degree, double theta);
 

@@ -1,6 +1,7 @@
 /* backend/opencl/device.c: which devices there are, and opening one. */
 #include "device.h"
 
+#include <sched.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -99,7 +100,7 @@ uint64_t cpm_opencl_budget(const cpm_opencl *o) { return o->budget ? o->budget :
 void cpm_opencl_allow(cpm_context *context, uint64_t bytes) { ((cpm_opencl *)context->opencl)->budget = bytes; }
 
 void cpm_opencl_lock(cpm_opencl *o) {
-    while (atomic_flag_test_and_set_explicit(&o->lock, memory_order_acquire)) {}
+    while (atomic_flag_test_and_set_explicit(&o->lock, memory_order_acquire)) sched_yield(); /* a pass may take long */
 }
 
 void cpm_opencl_unlock(cpm_opencl *o) { atomic_flag_clear_explicit(&o->lock, memory_order_release); }

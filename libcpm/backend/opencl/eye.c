@@ -14,6 +14,7 @@
 #include <omp.h>
 #include <string.h>
 
+#include "backend/backend.h"
 #include "photon/tree.h"
 
 #define TILE 16 /* pixels go in tiles: neighbours gather from the same photons */
@@ -362,6 +363,7 @@ cpm_status cpm_opencl_eye(const cpm_pass *pass, const cpm_gather *gather, uint64
     eyes e = {.pass = pass, .gather = gather, .o = pass->context->opencl, .eye = &tables.eye};
     cpm_progress(pass->context, "gather", 0.0);
     cpm_status status = cpm_eye_begin(pass, gather, seed, samples, image, &tables);
+    if (!status) status = cpm_opencl_refuses(pass);
     if (!status) {
         cpm_opencl_lock(pass->context->opencl);
         status = run_eyes(&e, image);

@@ -14,3 +14,11 @@ const cpm_backend cpm_backend_opencl = {
 const cpm_backend *cpm_backend_of(const cpm_context *context) {
     return context->opencl ? &cpm_backend_opencl : &cpm_backend_native;
 }
+
+cpm_status cpm_opencl_refuses(const cpm_pass *pass) {
+    const uint32_t beyond = pass->features & (CPM_FEATURE_SKY | CPM_FEATURE_EXTINCTION);
+    if (!beyond) return CPM_OK;
+    return cpm_fail(pass->context, CPM_ERROR_UNSUPPORTED,
+                    "%s: an OpenCL device does not do this yet; use the native backend",
+                    beyond & CPM_FEATURE_SKY ? "a sun or an environment" : "a medium with extinction");
+}

@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "cl/shared/bins.h"
+#include "backend/backend.h"
 #include "follow.h"
 #include "photons_buffers.h"
 
@@ -317,7 +318,8 @@ cpm_status cpm_opencl_photons(const cpm_pass *pass, const cpm_emitter *emitters,
                      .stores = stores};
     uint64_t most = 0;
     cpm_opencl_lock(p.opencl);
-    cpm_status status = begin(&p, photons, batch, &most);
+    cpm_status status = cpm_opencl_refuses(pass);
+    if (!status) status = begin(&p, photons, batch, &most);
     if (!status) status = waves(&p, photons, most);
     if (!status) status = collect(&p, energy, stats);
     p.opencl->cl->Finish(p.opencl->queue);

@@ -52,6 +52,13 @@ typedef enum cpm_interpolation {
     CPM_INTERPOLATION_STEP = 3            /* layered: n constant from a height to the next, Snell between */
 } cpm_interpolation;
 
+/* What scatters or absorbs in proportion to n - 1, as the molecules of a gas do: `values` are extinction (1/m) over n - 1,
+ * both at the wavelength (nm, increasing; linear between, held beyond), so that the optical depth of a path is values times
+ * int (n - 1) ds along it. Eye rays are dimmed by it, and photons of suns and environments on their way in; what is
+ * scattered is lost. Only before the medium is used, once; copies of a medium in sums have none. */
+CPM_API cpm_status cpm_medium_set_extinction(cpm_context *context, cpm_medium *medium, const double *wavelengths,
+                                             const double *values, size_t count);
+
 /* In every creator `dispersion` may be NULL; points and vectors are 3 doubles, metres. */
 CPM_API cpm_status cpm_medium_create_homogeneous(cpm_context *context, double n, const cpm_dispersion *dispersion,
                                                  cpm_medium **medium);

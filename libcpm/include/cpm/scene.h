@@ -95,17 +95,35 @@ CPM_API cpm_status cpm_scene_add_medium(cpm_scene *scene, cpm_medium *medium, co
 typedef enum cpm_light_kind {
     CPM_LIGHT_POINT = 1,
     CPM_LIGHT_SPOT = 2,
-    CPM_LIGHT_AREA = 3
+    CPM_LIGHT_AREA = 3,
+    CPM_LIGHT_SUN = 4,
+    CPM_LIGHT_ENVIRONMENT = 5
 } cpm_light_kind;
+
+/* Sun and environment are infinitely far away: a ray that crosses the scene's extent outward sees them by its direction
+ * there, and their photons come in there. */
 
 typedef struct cpm_light_desc {
     size_t struct_size;
     int32_t kind;  /* cpm_light_kind */
     int32_t shape; /* area: a shape of this scene, emitting on the side of its geometric normal */
     double position[3];
-    double target[3];
-    double cutoff;         /* spot: half-angle, degrees, in (0, 180]; uniform inside */
-    cpm_spectrum emission; /* point, spot: actual W/sr/nm; area: basic radiance W/m2/sr/nm */
+    double target[3];      /* spot: where it is aimed; sun: the direction in which its centre is seen; environment with
+                              pixels: the direction of the image's middle column, across `up` */
+    double cutoff;         /* spot: half-angle, degrees, in (0, 180], uniform inside; sun: angular radius, degrees, in
+                              (0, 90), 0: 0.2666 */
+    cpm_spectrum emission; /* point, spot: actual W/sr/nm; area, sun, environment: basic radiance W/m2/sr/nm, of the sun
+                              the mean over its disc (irradiance over solid angle) */
+    double up[3];          /* environment with pixels: the direction of row 0 */
+    const float *pixels;   /* environment: basic radiance, height x width x emission.count (emission.wavelengths; its
+                              values NULL); equal steps of angle, row 0 about `up`, columns clockwise seen from above;
+                              NULL: `emission` from everywhere */
+    int32_t width, height; /* of the pixels */
+    const double *limb;    /* sun: limb_count x 7: wavelength (nm, increasing) and coefficients a0 ... a5 of the limb
+                              darkening sum a_i mu^i; linear between, held beyond; NULL: none */
+    size_t limb_count;
+    const cpm_box *aim;    /* sun, environment: photons start only on paths that cross this box first; NULL: all shapes
+                              (of a planet what is within 25 km of the camera) */
 } cpm_light_desc;
 CPM_API cpm_status cpm_scene_add_light(cpm_scene *scene, const cpm_light_desc *desc, int32_t *light);
 
@@ -132,6 +150,8 @@ CPM_API cpm_status cpm_scene_extent(cpm_scene *scene, cpm_box *extent);
 #define CPM_FEATURE_AREA_LIGHTS (1u << 9)
 #define CPM_FEATURE_PROJECTION (1u << 10)   /* point or spot lights: projection maps over their directions */
 #define CPM_FEATURE_DELTA_LIGHTS (1u << 11)
+#define CPM_FEATURE_SKY (1u << 12)          /* a sun or an environment */
+#define CPM_FEATURE_EXTINCTION (1u << 13)   /* some medium dims light */
 CPM_API cpm_status cpm_scene_features(cpm_scene *scene, const double *wavelengths, size_t count, uint32_t *features);
 
 #ifdef __cplusplus

@@ -33,6 +33,9 @@ class Atmosphere(Medium):
         Index of air.
     origin : array_like, shape (3,)
         Where height is 0, metres.
+    extinction : None or "rayleigh"
+        What molecules scatter out of eye rays, and out of the light of suns and environments on its way in, is lost: optical
+        depth σ(λ) ∫ N ds along the curved path (:func:`cpm.air.rayleigh_extinction`). Nothing is scattered into a ray.
     bounds : Box, Sphere or Shape, optional
 
     Attributes
@@ -60,6 +63,7 @@ class Atmosphere(Medium):
         refractivity: str = "ciddor",
         origin: VectorLike = (0.0, 0.0, 0.0),
         bounds: Bounds | None = None,
+        extinction: str | None = None,
     ) -> None:
         if not isinstance(profile, Profile):
             raise TypeError(f"profile is {profile!r}; a profile of cpm.atmosphere is needed")
@@ -70,12 +74,14 @@ class Atmosphere(Medium):
         self.up, self.origin = as_vector(up, "up"), as_vector(origin, "origin")
         if not np.any(self.up):
             raise ValueError("up is (0, 0, 0); a direction is needed")
+        self.extinction = None if extinction is None else one_of(extinction, "extinction", ("rayleigh",))
         super().__init__(_dispersion(profile, self.refractivity), bounds)
         self.heights, self.n, self._kinks = _spline(profile, self.refractivity)
         if self._mixture_varies():
             self._handle = _core.sum([self._layers(n, model) for n, model in self._components()])
         else:
             self._handle = self._layers(self.n, self.dispersion)
+        dim(self._handle, self.extinction)
 
     def _layers(self, n: FloatArray, dispersion: Dispersion | None) -> _core.Medium:
         """The core's spline through n at the knots."""
@@ -126,6 +132,14 @@ class Atmosphere(Medium):
 
     def __repr__(self) -> str:
         return f"Atmosphere({self.profile!r}, radius={self.radius!r}, refractivity={self.refractivity!r})"
+
+
+def dim(handle: _core.Medium, extinction: str | None) -> None:
+    """Gives a medium of air its extinction."""
+    if extinction is not None:
+        low, high = air.RANGES["ciddor"]
+        wavelengths = np.arange(low, high + 0.5)
+        handle.set_extinction(wavelengths, air.rayleigh_extinction(wavelengths))
 
 
 def _dispersion(profile: Profile, model: str) -> Gas:

@@ -32,6 +32,11 @@ class Sum(Medium):
             flat.extend(term.terms if isinstance(term, Sum) else [term])
         self.terms = tuple(flat)
         self._handle = _core.sum([term._handle for term in terms])
+        extinctions = [term.extinction for term in flat if getattr(term, "extinction", None) is not None]
+        if extinctions:  # of all of it: what is added to air is more or less of it
+            from .atmosphere import dim
+
+            dim(self._handle, extinctions[0])
 
     @property
     def extent(self) -> Box | None:

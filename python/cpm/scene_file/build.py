@@ -11,6 +11,7 @@ import numpy as np
 
 from .. import _core, atmosphere, dispersion, lights, materials, media, spectra, wavelengths
 from .._arrays import bin_centers
+from .._sky import is_sky_file, read_sky
 from ..bounds import Bounds, Box, Sphere
 from ..camera import Camera
 from ..scene import Scene
@@ -170,7 +171,7 @@ class _Builder:
                                          table.interpolation, **common)
                 case models.AtmosphereTable():
                     return media.Atmosphere(self.profile(table.profile, f"{key}.profile"), table.radius, table.up,
-                                            table.refractivity, table.origin, **common)
+                                            table.refractivity, table.origin, extinction=table.extinction, **common)
                 case models.ExpressionTable():
                     return media.Expression(table.text, **table.constants, **common)
                 case models.SumTable():
@@ -307,9 +308,26 @@ class _Builder:
             case models.SpotTable():
                 return lights.Spot(table.position, table.target, table.cutoff,
                                    self.spectrum(table.intensity, f"{key}.intensity"))
+            case models.SunTable():
+                radiance = None if table.radiance is None else self.spectrum(table.radiance, f"{key}.radiance")
+                return lights.Sun(table.elevation, table.azimuth, radiance, table.angular_radius, table.limb_darkening,
+                                  table.up, self.box(table.aim))
+            case models.EnvironmentTable():
+                return lights.Environment(self.sky(table.radiance, f"{key}.radiance"), table.up, self.box(table.aim))
             case _:
                 return lights.Area(self.shape(table.shape, f"{key}.shape"),
                                    self.spectrum(table.radiance, f"{key}.radiance"))
+
+    def sky(self, value: Any, key: str) -> Any:
+        """A spectrum or an image of all directions."""
+        if not isinstance(value, models.SkyTable) or value.file is None or not is_sky_file(value.file):
+            if isinstance(value, models.SkyTable) and value.file is not None and value.wavelengths is not None:
+                raise SceneFileError(self.path, f"{key}.wavelengths", "are for a .npy; this file has its own")
+            return self.spectrum(value, key)
+        asked = value.wavelengths
+        with self.at(f"{key}.file"):
+            bins = asked.model_dump(by_alias=True) if isinstance(asked, models.BinsTable) else asked
+            return read_sky(self.file(value.file, f"{key}.file"), bins, value.scale)
 
     def render_settings(self, scene: Scene) -> RenderSettings:
         table = self.table.render

@@ -323,6 +323,7 @@ class AtmosphereTable(Table):
     up: Vector = (0.0, 1.0, 0.0)
     origin: Vector = (0.0, 0.0, 0.0)
     refractivity: Literal["ciddor", "edlen", "iag1999"] = "ciddor"
+    extinction: Literal["rayleigh"] | None = None
     bounds: BoundsTable | None = None
 
 
@@ -439,6 +440,24 @@ class GroundTable(ShapeTable):
 AnyShape = Annotated[QuadsTable | MeshTable | SphereTable | GroundTable, Field(discriminator="type")]
 
 
+class BinsTable(Table):
+    from_: Positive = Field(alias="from")
+    to: Positive
+    bins: Annotated[Integer, Field(ge=1, le=256)]
+    sampling: Literal["equal", "refraction", "contribution"] = "equal"
+
+
+def _wavelengths_kind(value: Any) -> str | None:
+    return "<list>" if isinstance(value, list) else "<table>" if isinstance(value, dict) else None
+
+
+Wavelengths = Annotated[
+    Annotated[list[Positive], Field(min_length=1, max_length=256), Tag("<list>")]
+    | Annotated[BinsTable, Tag("<table>")],
+    Discriminator(_wavelengths_kind, custom_error_type="kind",
+                  custom_error_message="must be a list of bin centres or a table of from, to, bins and sampling")]
+
+
 # Lights, camera, render.
 
 class PointTable(Table):
@@ -461,7 +480,41 @@ class AreaTable(Table):
     radiance: Spectrum
 
 
-AnyLight = Annotated[PointTable | SpotTable | AreaTable, Field(discriminator="type")]
+class SunTable(Table):
+    type: Literal["sun"]
+    elevation: Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-90, le=90)]
+    azimuth: Number
+    radiance: Spectrum | None = None
+    angular_radius: Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0, lt=90)] = 0.2666
+    limb_darkening: Annotated[bool, Field(strict=True)] = True
+    up: Vector | None = None
+    aim: BoxTable | None = None
+
+
+class SkyTable(SpectrumTable):
+    """A spectrum, or a file with an image of all directions: a spectral .exr, or a .npy with its wavelengths."""
+
+    wavelengths: Wavelengths | None = None  # type: ignore[assignment]
+
+    @model_validator(mode="after")
+    def _one_source(self) -> SkyTable:
+        _exactly_one(self, "name", "values", "file")
+        if self.values is not None and not isinstance(self.wavelengths, list):
+            raise PydanticCustomError("pair", "wavelengths and values belong together")
+        if self.name is not None and self.wavelengths is not None:
+            raise PydanticCustomError("pair", "wavelengths and values belong together")
+        return self
+
+
+class EnvironmentTable(Table):
+    type: Literal["environment"]
+    radiance: Annotated[ANumber | AName | Annotated[SkyTable, Tag("<table>")],
+                        _meant("a number, a name or a table of name, wavelengths and values, or file")]
+    up: Vector | None = None
+    aim: BoxTable | None = None
+
+
+AnyLight = Annotated[PointTable | SpotTable | AreaTable | SunTable | EnvironmentTable, Field(discriminator="type")]
 
 
 class CameraTable(Table):
@@ -470,23 +523,6 @@ class CameraTable(Table):
     up: Vector = (0.0, 1.0, 0.0)
     fov: Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0, lt=180)] = 60.0
 
-
-class BinsTable(Table):
-    from_: Positive = Field(alias="from")
-    to: Positive
-    bins: Annotated[Integer, Field(ge=1, le=256)]
-    sampling: Literal["equal", "refraction", "contribution"] = "equal"
-
-
-def _wavelengths_kind(value: Any) -> str | None:
-    return "<list>" if isinstance(value, list) else "<table>" if isinstance(value, dict) else None
-
-
-Wavelengths = Annotated[
-    Annotated[list[Positive], Field(min_length=1, max_length=256), Tag("<list>")]
-    | Annotated[BinsTable, Tag("<table>")],
-    Discriminator(_wavelengths_kind, custom_error_type="kind",
-                  custom_error_message="must be a list of bin centres or a table of from, to, bins and sampling")]
 
 Pixels = Annotated[Integer, Field(ge=1, le=65536)]
 
