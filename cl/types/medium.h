@@ -35,7 +35,7 @@
 #ifndef CPM_MEDIA
 #define CPM_MEDIA 0x1fff
 #endif
-#define CPM_IS_KIND(m, k) (((CPM_MEDIA >> (k)) & 1) && (m)->kind == (k))
+#define CPM_IS_KIND(m, k) ((((CPM_MEDIA >> (k)) & 1) != 0) && (m)->kind == (k))
 
 #define CPM_RECORD 8 /* doubles a layer: a cache line */
 
