@@ -35,6 +35,7 @@ class World:
     bounded: bool    # n bounded from 0 everywhere: nothing can stop a ray
     stepped: bool    # discrete layers: exact only
     kinked: bool     # ∇n jumps somewhere
+    formula: bool    # its constants are folded, and do not scale to the last bit
 
     def __repr__(self):
         return f"World({self.name}, centre={self.centre}, axis={self.axis})"
@@ -63,6 +64,7 @@ class Term:
     bounded: bool = True
     stepped: bool = False
     kinked: bool = False
+    formula: bool = False
 
 
 def numbers(low, high):
@@ -217,7 +219,7 @@ def blob(draw, centre, _axis):
     n, height, width = draw(numbers(1.1, 1.5)), draw(numbers(-0.09, 0.4)), draw(numbers(0.3, 2.0))
     return Term(f"blob {n:.3g} + {height:.3g} exp(−(r/{width:.3g})²)",
                 lambda s, t: _blob(n, height, width, s, t + s * centre),
-                lambda q: n + height * np.exp(-np.sum((q - centre) ** 2) / width**2))
+                lambda q: n + height * np.exp(-np.sum((q - centre) ** 2) / width**2), formula=True)
 
 
 def _wall(n, rise, width, s, centre, axis):
@@ -230,7 +232,7 @@ def wall(draw, centre, axis):
     n, rise, width = draw(numbers(1.3, 1.5)), draw(numbers(-0.25, 0.25)), draw(numbers(0.2, 2.0))
     return Term(f"wall {n:.3g} + {rise:.3g} tanh(u/{width:.3g})",
                 lambda s, t: _wall(n, rise, width, s, t + s * centre, axis),
-                lambda q: n + rise * np.tanh(axis @ (q - centre) / width))
+                lambda q: n + rise * np.tanh(axis @ (q - centre) / width), formula=True)
 
 
 @st.composite
@@ -290,4 +292,5 @@ def worlds(draw, symmetries=("centre", "layers", "axis", "none"), axes=None):
     return World(" + ".join(term.name for term in terms), make,
                  lambda q: 1.0 + sum(term.index(q) - 1.0 for term in terms), symmetry, centre, axis,
                  all(term.smooth for term in terms), any(term.singular for term in terms),
-                 all(term.bounded for term in terms), any(term.stepped for term in terms), any(term.kinked for term in terms))
+                 all(term.bounded for term in terms), any(term.stepped for term in terms), any(term.kinked for term in terms),
+                 any(term.formula for term in terms))
