@@ -5,6 +5,7 @@ namespace {
 
 struct Image {
     Handle<cpm_image> handle{cpm_image_release};
+    std::optional<cpm_device_stats> built; /* what programs cost, where a device rendered */
 
     std::array<py::ssize_t, 3> shape() const {
         int32_t width = 0, height = 0;
@@ -47,6 +48,12 @@ std::shared_ptr<Image> render(const std::shared_ptr<Scene> &scene, const std::sh
                                     image->handle.out());
         return cpm_image_render(context.get(), scene->handle.get(), &options, image->handle.out());
     });
+    if (device >= 0) {
+        cpm_device_stats built{};
+        built.struct_size = sizeof built;
+        context.check(cpm_context_device_stats(context.get(), &built));
+        image->built = built;
+    }
     return image;
 }
 
@@ -75,7 +82,14 @@ py::dict stats(const Image &image) {
     values.struct_size = sizeof values;
     const cpm_status status = cpm_image_stats(image.handle.get(), &values);
     if (status != CPM_OK) raise_status(status, nullptr);
-    return stats_dict(values);
+    py::dict all = stats_dict(values);
+    if (image.built) {
+        all["device_programs_compiled"] = image.built->compiled;
+        all["device_programs_cached"] = image.built->cached;
+        all["device_seconds_build"] = image.built->seconds;
+        all["device_source_bytes"] = image.built->source_bytes;
+    }
+    return all;
 }
 
 void write_exr(const Image &image, const std::string &path, const std::optional<Floats> &rgb) {

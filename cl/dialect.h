@@ -99,8 +99,9 @@ typedef struct {
         */
 
 #define CPM_INLINE static inline
-#define CPM_ALWAYS_INLINE static inline __attribute__((always_inline)) /* where a call would cost more than it saves   \
-                                                                        */
+#define CPM_ALWAYS_INLINE                                                                                              \
+    static inline __attribute__((always_inline)) /* where a call would cost more than it saves                         \
+                                                  */
 /* A function that is not worth room in its caller's registers and code. */
 #if defined(__GNUC__) || defined(__clang__)
 #define CPM_APART static __attribute__((noinline, unused))

@@ -2,6 +2,7 @@
 #include "kernels/eye.h"
 #include "shared/eye.h"
 
+#if CPM_WIDTH == 1 && !CPM_SINGLE /* what it calls is of single rays in double */
 /* Branch i: of pixel pixels[i / each], its sample first_sample + i % each (where the camera's medium disperses, `each`
  * counts bins too, the fastest). */
 __kernel void cpm_eye_start(CPM_EYE_PARAMETERS, __global const int *pixels, int first_sample, int each,
@@ -49,3 +50,4 @@ __kernel void cpm_eye_film(CPM_WORLD_PARAMETERS, CPM_EYE_PARAMETERS, __global co
                     sums + p * bins);
         }
 }
+#endif

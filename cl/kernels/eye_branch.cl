@@ -2,6 +2,7 @@
 #include "kernels/eye.h"
 #include "shared/eye_branch.h"
 
+#if CPM_WIDTH == 1 && !CPM_SINGLE /* what it calls is of single rays in double */
 /* Where `counting`, children[i] is how many branches follow branch i; else they go to next_flights and next_weights
  * from children[i] on. depth: specular surfaces so far. */
 __kernel void cpm_eye_branch(CPM_WORLD_PARAMETERS, CPM_EYE_PARAMETERS, __global const cpm_flight *flights,
@@ -25,3 +26,4 @@ __kernel void cpm_eye_branch(CPM_WORLD_PARAMETERS, CPM_EYE_PARAMETERS, __global 
         if (counting) children[i] = to.count;
     }
 }
+#endif

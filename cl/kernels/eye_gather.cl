@@ -3,6 +3,7 @@
 #include "shared/coverage.h"
 #include "shared/eye.h"
 
+#if CPM_WIDTH == 1 && !CPM_SINGLE /* what it calls is of single rays in double */
 /* Query q is of branch list[q]. irradiance: count x bins, added to. whole: count, see world_gather. The map and scratch
  * are as in kernels/gather.cl. */
 __kernel void cpm_eye_gather(CPM_WORLD_PARAMETERS, CPM_EYE_PARAMETERS, __global const cpm_map_node *map_nodes,
@@ -34,3 +35,4 @@ __kernel void cpm_eye_gather(CPM_WORLD_PARAMETERS, CPM_EYE_PARAMETERS, __global 
         whole[q] = widest;
     }
 }
+#endif

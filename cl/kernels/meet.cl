@@ -2,15 +2,15 @@
  * CPM_WIDTH abreast, those that met nothing end. Mirrors and boundaries are left to kernels/specular.cl. An item's
  * stored photons are appended to its `stage` places. `origin` is what positions are stored from; `scale`: the largest
  * coordinate of the scene. */
-#include "shared/path_meet.h"
 #include "kernels/paths.h"
 #include "kernels/world.h"
+#include "shared/path_meet.h"
 
-__kernel void cpm_meet(CPM_WORLD_PARAMETERS, CPM_NEXT_PARAMETERS, CPM_NOW_PARAMETERS,
-                       __global const float *reflectance, __global const float *shares, __global const float *largest,
-                       __global const float *one, __global const uint *multiply, __global const uint *add,
-                       __global cpm_photon *photons, __global ushort *spectra, int stage, int halves, ulong seed,
-                       double origin_x, double origin_y, double origin_z) {
+__kernel void cpm_meet(CPM_WORLD_PARAMETERS, CPM_NEXT_PARAMETERS, CPM_NOW_PARAMETERS, __global const float *reflectance,
+                       __global const float *shares, __global const float *largest, __global const float *one,
+                       __global const uint *multiply, __global const uint *add, __global cpm_photon *photons,
+                       __global ushort *spectra, int stage, int halves, ulong seed, double origin_x, double origin_y,
+                       double origin_z) {
     const size_t item = get_global_id(0);
     CPM_WORLD(world);
     CPM_PATHS(from, flights, walkers, powers, counts[item]);

@@ -1,8 +1,8 @@
-/* kernels/specular.cl: paths that have met a mirror or a boundary, one after the other; what goes on is appended to what
- * kernels/meet.cl has put together. */
-#include "shared/path_specular.h"
+/* kernels/specular.cl: paths that have met a mirror or a boundary, one after the other; what goes on is appended to
+ * what kernels/meet.cl has put together. */
 #include "kernels/paths.h"
 #include "kernels/world.h"
+#include "shared/path_specular.h"
 
 __kernel void cpm_specular(CPM_WORLD_PARAMETERS, CPM_NEXT_PARAMETERS, CPM_NOW_PARAMETERS,
                            __global const float *reflectance, __global const float *shares,

@@ -1,10 +1,10 @@
 /* kernels/start_area.cl: fresh paths of an area light, until an item's segment holds `fresh` flights. The light's paths
  * are first..last - 1; power_factor: 1/mean n^2 over the light. */
+#include "kernels/paths.h"
+#include "kernels/world.h"
 #include "shared/emit.h"
 #include "shared/region_at.h"
 #include "shared/world_index.h"
-#include "kernels/paths.h"
-#include "kernels/world.h"
 
 __kernel void cpm_start_area(CPM_WORLD_PARAMETERS, CPM_NEXT_PARAMETERS, __global const cpm_emitter_data *emitter,
                              __global const double *area, __global const float *spectrum, ulong first, ulong last,
@@ -47,10 +47,11 @@ __kernel void cpm_start_area(CPM_WORLD_PARAMETERS, CPM_NEXT_PARAMETERS, __global
                 cpm_paths_start(&to, path, &flight, carried, spectrum, energy);
             else /* a surface emits n^2 L, with each bin's own n */
                 for (int b = 0; b < bins; b++)
-                    cpm_paths_start_bin(
-                        &to, path, &flight, b,
-                        carried * emit_own(spectrum[b], world_squared_index(&world, medium, b, flight.position), middle),
-                        energy);
+                    cpm_paths_start_bin(&to, path, &flight, b,
+                                        carried * emit_own(spectrum[b],
+                                                           world_squared_index(&world, medium, b, flight.position),
+                                                           middle),
+                                        energy);
             tally.emitted++;
         }
         tally.next += (ulong)now;

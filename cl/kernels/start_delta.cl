@@ -1,12 +1,12 @@
 /* kernels/start_delta.cl: fresh paths of a point or spot light, until an item's segment holds `fresh` flights. The
  * light's paths are first..last - 1; `apart`: each wavelength goes its own way. */
-#include "shared/emit.h"
 #include "kernels/paths.h"
+#include "shared/emit.h"
 
 __kernel void cpm_start_delta(CPM_NEXT_PARAMETERS, __global const cpm_emitter_data *emitter,
-                              __global const double *cumulative, __global const int *guide, __global const float *weight,
-                              __global const float *spectrum, __global const cpm_region *region, ulong first,
-                              ulong last, int fresh, int apart) {
+                              __global const double *cumulative, __global const int *guide,
+                              __global const float *weight, __global const float *spectrum,
+                              __global const cpm_region *region, ulong first, ulong last, int fresh, int apart) {
     const size_t item = get_global_id(0);
     CPM_PATHS(to, next_flights, next_walkers, next_powers, next_counts[item]);
     CPM_ENERGY(energy);

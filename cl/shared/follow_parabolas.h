@@ -160,8 +160,8 @@ CPM_INLINE void world_walk_parabola(const cpm_world *w, cpm_i32 number, const cp
     q.chord.a = from > 0.0 ? from - CPM_OVERLAP : 0.0, q.chord.b = 1.0;
     q.chord.start = from > 0.0 ? cpm_curve_at(c, from) : c->c[0], q.chord.end = cpm_curve_at(c, 1.0);
     q.chord.off = cpm_grown(tree, strays);
-    if (cpm_vdot(strays, strays) > tree->frame.sagitta * tree->frame.sagitta ||
-        !cpm_is_near_box(tree, q.chord.start) || !cpm_is_near_box(tree, q.chord.end)) {
+    if (cpm_vdot(strays, strays) > tree->frame.sagitta * tree->frame.sagitta || !cpm_is_near_box(tree, q.chord.start) ||
+        !cpm_is_near_box(tree, q.chord.end)) {
         cpm_first_hit(tree, c, 1.0, left, 0.0, (const cpm_filter *)0, hit);
         return;
     }
@@ -201,8 +201,7 @@ CPM_INLINE void world_follow_lot(const cpm_world *w, cpm_i32 medium, const cpm_m
         left[i] = flights[l->which[i]].left;
         hits[i].primitive = -1;
         curves[i] = cpm_parabola_curve(l, i);
-        if (l->h[i] > 0.0)
-            world_walk_parabola(w, i, &curves[i], l->from[i], left[i], &hits[i], untested, &waiting);
+        if (l->h[i] > 0.0) world_walk_parabola(w, i, &curves[i], l->from[i], left[i], &hits[i], untested, &waiting);
     }
     world_test_parabolas(w, curves, l->from, left, l->count, untested, waiting, hits);
     for (int i = 0; i < l->count; i++) {

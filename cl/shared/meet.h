@@ -5,14 +5,14 @@
 
 typedef struct cpm_encounter {
     real3 came, start, hit;
-    real3 normal; /* geometric, of any length */
-    real factor;  /* 1/length^2 of it */
+    real3 normal;          /* geometric, of any length */
+    real factor;           /* 1/length^2 of it */
     word path, block, bin; /* counters of the random numbers */
 } cpm_encounter;
 
 typedef struct cpm_outcome {
-    real3 toward, from; /* direction and start of a survivor */
-    real chance;        /* the roulette's number */
+    real3 toward, from;               /* direction and start of a survivor */
+    real chance;                      /* the roulette's number */
     word direction_code, normal_code; /* of arrival, and of the side that was hit */
 } cpm_outcome;
 

@@ -1,4 +1,5 @@
-/* shared/path_meet.h: an item's paths where they have arrived: what libcpm/photon/trace.c does natively, on a device. */
+/* shared/path_meet.h: an item's paths where they have arrived: what libcpm/photon/trace.c does natively, on a device.
+ */
 #ifndef CPM_SHARED_PATH_MEET_H
 #define CPM_SHARED_PATH_MEET_H
 #include "meet.h"

@@ -11,8 +11,8 @@ CPM_INLINE int world_crossings_odd(const cpm_world *w, CPM_GLOBAL const cpm_plac
     for (cpm_i32 i = 0; i < place->count; i++) {
         CPM_GLOBAL const cpm_triangle *t = &w->tree.triangles[place->first + i];
         cpm_vec n = cpm_v(t->normal[0], t->normal[1], t->normal[2]);
-        double distance = cpm_vdot(cpm_sub(cpm_v(t->corner[0], t->corner[1], t->corner[2]), point), n) /
-                          cpm_vdot(direction, n);
+        double distance =
+            cpm_vdot(cpm_sub(cpm_v(t->corner[0], t->corner[1], t->corner[2]), point), n) / cpm_vdot(direction, n);
         double u, v;
         if (distance > 0.0 && distance < INFINITY &&
             cpm_triangle_contains(t, cpm_along(point, distance, direction), &u, &v))

@@ -7,7 +7,7 @@
 /* Powers of one path at a surface: bins [first, first + bins) of the film's. */
 typedef struct cpm_powers {
     CPM_GLOBAL const float *before, *reflectance, *share; /* share: of the largest reflectance; bins each */
-    CPM_GLOBAL float *after; /* NULL: nothing goes on, all is absorbed. Not where `before` is */
+    CPM_GLOBAL float *after;             /* NULL: nothing goes on, all is absorbed. Not where `before` is */
     CPM_GLOBAL unsigned short *spectrum; /* where they are stored first; NULL: not stored */
     cpm_u32 dither;                      /* of the stored ones */
     cpm_u32 first, bins;

@@ -129,7 +129,10 @@ CPM_INLINE cpm_trial cpm_step_adams(const cpm_medium_data *m, CPM_GLOBAL const d
     store_doubles(pick(less(one, order), down, splat(100.0)), rays->lower, part);
     store_doubles(pick(at_most(order, smaller(kept, splat(CPM_ADAMS_ORDER - 1.0))), up, splat(100.0)), rays->higher, part);
     /* r'''''' = g'''': the quintic lacks 24 D_4 h^6/720, where the table reaches so far */
-    t.dense = rows > 4 ? hh * root(d[4][0] * d[4][0] + d[4][1] * d[4][1] + d[4][2] * d[4][2]) * R(1.0 / 30) : zero;
+    t.dense = zero; /* a lane's own order and past decide: the table is as long as the longest beside it wants */
+    if (rows > 4)
+        t.dense = pick(at_most(splat(4.0), smaller(order, kept)),
+                       hh * root(d[4][0] * d[4][0] + d[4][1] * d[4][1] + d[4][2] * d[4][2]) * R(1.0 / 30), zero);
     t.curve = splat(0.0);
     t.dense = larger(t.dense, R(64.0) * root(t.error_position2));
     return t;

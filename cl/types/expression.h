@@ -1,7 +1,7 @@
 /* types/expression.h: programs of formulas: short instructions over registers, the same for all lanes.
  *
- * In a medium's table an instruction is CPM_INSTRUCTION doubles: its operation and registers as bits, eight each from the
- * lowest (operation, target, a, b, c), then the constants k and l. Numbers are those of cpm/medium.h. */
+ * In a medium's table an instruction is CPM_INSTRUCTION doubles: its operation and registers as bits, eight each from
+ * the lowest (operation, target, a, b, c), then the constants k and l. Numbers are those of cpm/medium.h. */
 #ifndef CPM_TYPES_EXPRESSION_H
 #define CPM_TYPES_EXPRESSION_H
 #include "../dialect.h"
@@ -17,15 +17,15 @@
 #define CPM_REGISTER_WAVELENGTH 4 /* nm; the same */
 #define CPM_FIRST_REGISTER 5
 
-#define CPM_OP_CONSTANT 1      /* k */
-#define CPM_OP_ADD 2           /* a + b */
-#define CPM_OP_SUBTRACT 3      /* a - b */
-#define CPM_OP_MULTIPLY 4      /* a b */
-#define CPM_OP_DIVIDE 5        /* a/b */
-#define CPM_OP_SCALE 6         /* k a */
-#define CPM_OP_AFFINE 7        /* k a + l */
-#define CPM_OP_MULTIPLY_ADD 8  /* a b + c */
-#define CPM_OP_INVERT 9        /* k/a */
+#define CPM_OP_CONSTANT 1     /* k */
+#define CPM_OP_ADD 2          /* a + b */
+#define CPM_OP_SUBTRACT 3     /* a - b */
+#define CPM_OP_MULTIPLY 4     /* a b */
+#define CPM_OP_DIVIDE 5       /* a/b */
+#define CPM_OP_SCALE 6        /* k a */
+#define CPM_OP_AFFINE 7       /* k a + l */
+#define CPM_OP_MULTIPLY_ADD 8 /* a b + c */
+#define CPM_OP_INVERT 9       /* k/a */
 #define CPM_OP_SQRT 20
 #define CPM_OP_EXP 21
 #define CPM_OP_LOG 22

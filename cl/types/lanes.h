@@ -42,16 +42,18 @@ typedef struct cpm_lane_rays {
     double error_turn[CPM_LANES]; /* radians: embedded errors of direction */
     double previous[CPM_LANES];   /* log2 of the last ratio of error to tolerance: the step controller's memory */
     double refused[CPM_LANES];    /* attempts refused since the last step */
-    double dense[CPM_LANES];      /* f6 h^6/720 of the piece, metres: u^3 of it is the quintic's error (piece.h); 0: not known */
+    double dense[CPM_LANES];      /* f6 h^6/720 of the piece, metres: u^3 of it is the quintic's error (piece.h); 0: not
+                                     known */
     cpm_i64 status[CPM_LANES];    /* -1 going, else a cpm_ray_status */
     cpm_i64 at_kink[CPM_LANES];   /* grad n jumps here: g is to be taken anew, beyond it */
     cpm_i64 accepted[CPM_LANES];  /* nonzero: the last attempt was accepted, and the piece below is valid */
     double r0[3][CPM_LANES], p0[3][CPM_LANES], g0[3][CPM_LANES], n0[CPM_LANES], length0[CPM_LANES];
     double optical_path0[CPM_LANES], piece_h[CPM_LANES]; /* the piece: from r0 to r in piece_h */
-    /* symplectic methods: what the compensated sums of r (0 to 2) and p (3 to 5) have lost, now and after the attempt */
+    /* symplectic methods: what the compensated sums of r (0 to 2) and p (3 to 5) have lost, now and after the attempt
+     */
     double low[6][CPM_LANES], low_next[6][CPM_LANES];
-    /* adams: g and n at the points before the current one, how far behind it in sigma (< 0), and how many there are; the
-     * order to take, and log2 of the errors of one order less and more over its own */
+    /* adams: g and n at the points before the current one, how far behind it in sigma (< 0), and how many there are;
+     * the order to take, and log2 of the errors of one order less and more over its own */
     double past[CPM_ADAMS_ORDER - 1][4][CPM_LANES], past_sigma[CPM_ADAMS_ORDER - 1][CPM_LANES];
     double kept[CPM_LANES], order[CPM_LANES], lower[CPM_LANES], higher[CPM_LANES];
 } cpm_lane_rays;

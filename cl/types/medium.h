@@ -62,7 +62,7 @@ typedef struct cpm_medium_data {
                               parabolic: high is (n alpha)^2 on the axis */
     double bucket;         /* layered: buckets a metre */
     cpm_i64 heights, guide, records; /* offsets of the tables */
-    double radius; /* shells: of the sphere where height is 0, metres */
+    double radius;                   /* shells: of the sphere where height is 0, metres */
 } cpm_medium_data;
 
 CPM_STATIC_ASSERT(sizeof(cpm_medium_data) == 160, cpm_medium_data_size);

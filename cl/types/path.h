@@ -12,8 +12,8 @@ typedef struct cpm_tally {
 } cpm_tally;
 CPM_STATIC_ASSERT(sizeof(cpm_tally) == 56, cpm_tally_size);
 
-/* A stored photon's `spectrum` until the host has it: its population in the two highest bits, and the place of its first
- * power among those of its item. */
+/* A stored photon's `spectrum` until the host has it: its population in the two highest bits, and the place of its
+ * first power among those of its item. */
 #define CPM_STAGED_POPULATION 30
 
 /* Materials, a row of bins each. */

@@ -8,7 +8,7 @@
 typedef struct cpm_piece {
     double r0[3], p0[3], g0[3];
     double r1[3], p1[3], g1[3];
-    double h;              /* in sigma: metres/n */
+    double h;                /* in sigma: metres/n */
     double length0, length1; /* arc length at the ends, metres, from the ray's start */
     double n0, n1;
 } cpm_piece;

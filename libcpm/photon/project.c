@@ -8,8 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cl/shared/sampling.h"
 #include "backend/backend.h"
+#include "cl/shared/sampling.h"
 #include "photons.h"
 
 #define ROWS 64
@@ -44,9 +44,8 @@ static int goes_on(const cpm_pass *pass, cpm_flight *flight, const cpm_arrival *
 static cpm_status look(const cpm_pass *pass, cpm_flight *flights, uint8_t *seen, size_t count) {
     cpm_arrival *arrivals = malloc(count * sizeof *arrivals);
     size_t *which = malloc(count * sizeof *which);
-    cpm_status status = arrivals && which
-                            ? CPM_OK
-                            : cpm_fail(pass->context, CPM_ERROR_OUT_OF_MEMORY, "no memory for a projection map");
+    cpm_status status =
+        arrivals && which ? CPM_OK : cpm_fail(pass->context, CPM_ERROR_OUT_OF_MEMORY, "no memory for a projection map");
     for (size_t i = 0; i < count && !status; i++) which[i] = i;
     for (int b = 0; b < MAX_BOUNDARIES && count && !status; b++) {
         size_t on = 0;

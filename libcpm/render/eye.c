@@ -75,7 +75,7 @@ static double index_of(const cpm_world *w, const cpm_flight *flight, const cpm_a
 typedef struct glance {
     const cpm_flight *flight;
     const cpm_arrival *arrival;
-    const float *weights;
+    float *weights;
     int32_t pixel, depth;
     cpm_leeway leeway;
 } glance;
@@ -94,11 +94,25 @@ static void cross(const viewer *v, const cpm_flight *flight, const cpm_arrival *
     }
 }
 
+/* Rays that may see the sky are followed until they leave, not only until they cannot come back: light still bends; and
+ * where air dims, how much of it was on the way is measured. */
+static const cpm_follow_options to_the_extent = {.far = INFINITY};
+static const cpm_follow_options *options_of(const cpm_pass *pass) {
+    return pass->sky || pass->extinction ? &to_the_extent : NULL;
+}
+
+/* What air takes on the way, from the weights of the bins that a flight carries. */
+static void dim(const viewer *v, const glance *g) {
+    if (!v->pass->extinction) return;
+    const size_t first = (size_t)eye_first_bin(g->flight), count = (size_t)eye_bins(v->eye, g->flight);
+    for (size_t b = 0; b < count; b++)
+        g->weights[b] *= (float)cpm_transmittance(v->pass, g->flight, g->arrival, first + b);
+}
+
 /* Suns and environments, in the direction in which the ray left. */
-static void see_sky(const viewer *v, const glance *g) {
+static void see_sky(viewer *v, const glance *g) {
     const cpm_pass *pass = v->pass;
-    const size_t first = (size_t)cpm_bins_first(g->flight->bin);
-    const size_t count = (size_t)cpm_bins_count(g->flight->bin, (int32_t)pass->bins);
+    const size_t first = (size_t)eye_first_bin(g->flight), count = (size_t)eye_bins(v->eye, g->flight);
     double *sum = &v->sum[(size_t)g->pixel * pass->bins], *radiance = v->irradiance;
     for (size_t l = 0; l < pass->scene->light_count; l++) {
         if (!cpm_sky_radiance(pass, l, g->arrival->direction, first, count, radiance)) continue;
@@ -113,6 +127,7 @@ static void see(viewer *v, const glance *g) {
     const cpm_arrival *a = g->arrival;
     const int32_t seen = eye_seen(w, v->eye, a);
     v->evaluations += a->evaluations;
+    dim(v, g);
     if (a->status == CPM_RAY_LEFT && v->pass->sky) see_sky(v, g);
     if (seen == CPM_SEEN_DIFFUSE) {
         cpm_gather_seen(v->gather, w, v->queries, a, v->irradiance);
@@ -157,30 +172,14 @@ static void look(viewer *v, int32_t column, int32_t row, int32_t pixel, int32_t 
     }
 }
 
-/* Rays that may see the sky are followed until they leave, not only until they cannot come back: light still bends; and
- * where air dims, how much of it was on the way is measured. */
-static const cpm_follow_options to_the_extent = {.far = INFINITY};
-static const cpm_follow_options *options_of(const cpm_pass *pass) {
-    return pass->sky || pass->extinction ? &to_the_extent : NULL;
-}
-
-/* What air takes on the way, from the weights of the bins that a flight carries. */
-static void dim(const viewer *v, const cpm_flight *f, const cpm_arrival *a, float *weights) {
-    if (!v->pass->extinction) return;
-    const size_t first = (size_t)cpm_bins_first(f->bin);
-    const size_t count = (size_t)cpm_bins_count(f->bin, (int32_t)v->pass->bins);
-    for (size_t b = 0; b < count; b++) weights[b] *= (float)cpm_transmittance(v->pass, f, a, first + b);
-}
-
 /* All live branches to their next surface, and what they see there. */
 static void follow_now(viewer *v, int32_t depth) {
     const gaze *now = &v->now;
     cpm_follow(v->pass, now->flights, now->count, options_of(v->pass), now->arrivals);
     v->segments += now->count;
     for (size_t i = 0; i < now->count && !v->failed && !cpm_poll(v->pass->context); i++) {
-        float *weights = &now->weights[i * v->pass->bins];
-        dim(v, &now->flights[i], &now->arrivals[i], weights);
-        const glance g = {&now->flights[i], &now->arrivals[i], weights, now->pixels[i], depth, now->leeways[i]};
+        const glance g = {&now->flights[i], &now->arrivals[i], &now->weights[i * v->pass->bins], now->pixels[i], depth,
+                          now->leeways[i]};
         see(v, &g);
     }
 }
@@ -189,7 +188,8 @@ static void follow_now(viewer *v, int32_t depth) {
 static void follow_now_in_bundles(viewer *v, int32_t depth) {
     const gaze *now = &v->now;
     cpm_bundles *b = &v->bundles;
-    if (!cpm_follow_bundles(b, v->pass, CPM_BUNDLES_OF_EYE, now->flights, now->leeways, now->count, options_of(v->pass))) {
+    if (!cpm_follow_bundles(b, v->pass, CPM_BUNDLES_OF_EYE, now->flights, now->leeways, now->count,
+                            options_of(v->pass))) {
         v->failed = 1;
         return;
     }
@@ -200,9 +200,8 @@ static void follow_now_in_bundles(viewer *v, int32_t depth) {
         const size_t before = (size_t)(cpm_bins_first(p->bin) - cpm_bins_first(flight.bin));
         const cpm_leeway leeway = cpm_leeway_after(&now->leeways[p->from], &flight, &p->arrival);
         flight.bin = p->bin;
-        float *weights = &now->weights[p->from * v->pass->bins + before];
-        dim(v, &flight, &p->arrival, weights);
-        const glance g = {&flight, &p->arrival, weights, now->pixels[p->from], depth, leeway};
+        const glance g = {&flight, &p->arrival, &now->weights[p->from * v->pass->bins + before], now->pixels[p->from],
+                          depth,   leeway};
         see(v, &g);
     }
 }

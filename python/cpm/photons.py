@@ -13,7 +13,7 @@ from ._progress import ProgressLike, reporting
 from .devices import device_index
 from .scene import Scene
 from .settings import MAX_BATCH, MAX_NEAREST, resolve
-from .status import feature_names, require_native
+from .status import feature_names, require_double
 from .wavelengths import Bins
 
 __all__ = ["PhotonMap", "Photons", "trace_photons"]
@@ -173,8 +173,7 @@ def trace_photons(scene: Scene, photons: int | None = None, *, seed: int | None 
     if not isinstance(scene, Scene):
         raise TypeError(f"scene is {scene!r}; a cpm.Scene is needed")
     device = device_index(backend)
-    if precision != "double":
-        require_native("native", precision)
+    require_double(precision)
     settings = resolve(scene.render_defaults, photons=photons, seed=seed, wavelengths=wavelengths,
                        bundle_tolerance=bundle_tolerance)
     with reporting(progress) as report:

@@ -16,7 +16,7 @@ from .lights import Environment, Sun, light_spectrum
 from .photons import Photons
 from .scene import Scene
 from .settings import MAX_BATCH, resolve
-from .status import require_native
+from .status import require_double
 
 __all__ = ["render"]
 
@@ -64,7 +64,7 @@ def render(scene: Scene, size: tuple[int, int] | None = None, photons: int | Pho
         Where a medium disperses: wavelengths whose eye rays meet a surface, or leave, within so many pixels of each
         other share one ray; and those whose photons meet a surface within so many radii of the circle that ``nearest``
         photons of their light fill there, if nothing focuses them, share one path. Default 0.1; 0: each wavelength goes
-        its own way. The time it saves and the error it costs: ``cpm bench wavelengths``.
+        its own way, as always on an OpenCL device. The time it saves and the error it costs: ``cpm bench wavelengths``.
     photon_map : Photons, optional
         Photons traced before; the same as giving them as ``photons``.
     progress : bool or callable
@@ -92,8 +92,7 @@ def render(scene: Scene, size: tuple[int, int] | None = None, photons: int | Pho
     if not isinstance(scene, Scene):
         raise TypeError(f"scene is {scene!r}; a cpm.Scene is needed")
     device = device_index(backend)
-    if precision != "double":
-        require_native("native", precision)
+    require_double(precision)
     traced, count = _which_photons(photons, photon_map)
     if traced is not None:
         if wavelengths is not None:

@@ -43,19 +43,9 @@ def feature_names(bits: int) -> tuple[list[str], list[str]]:
     return needed, [name for name in _core.FEATURES if name not in needed]
 
 
-def require_native(backend: str, precision: str) -> None:
-    """Refuse what the photon and eye passes cannot do yet."""
-    check_backend(backend)
+def require_double(precision: str) -> None:
+    """Refuse what the photon and eye passes cannot do yet, on either backend."""
     if precision not in ("double", "single"):
         raise ValueError(f"precision is {precision!r}; double, single are allowed")
     if precision == "single":
         raise _core.Error("precision 'single' is for cpm.trace; photons and pictures are traced in double here")
-
-
-def check_backend(backend: str) -> None:
-    """Refuse a backend that this version does not run photons and pictures on."""
-    if isinstance(backend, str) and backend.partition(":")[0] == "opencl":
-        raise _core.Error(f"backend {backend!r} traces rays alone in a medium in this version (cpm.trace); use "
-                          "backend='native'")
-    if backend != "native":
-        raise ValueError(f"backend is {backend!r}; native is allowed (opencl in a later version)")

@@ -257,9 +257,9 @@ static void photons_come_in_parts_where_memory_is_small(void **state) {
 /* A room of one n with diffuse walls needs at most 40 % of the source of all kernels of the pass. */
 static void a_plain_scene_needs_little_source(void **state) {
     (void)state;
-    static const char *const all[] = {"follow_straight", "follow_exact", "follow_parabolas", "follow_integrated",
-                                      "behind",          "start_delta",  "start_area",       "meet",
-                                      "specular"};
+    static const char *const all[] = {"follow_straight",   "follow_exact", "follow_parabolas",
+                                      "follow_integrated", "behind",       "start_delta",
+                                      "start_area",        "meet",         "specular"};
     size_t whole = 0;
     for (size_t i = 0; i < COUNT_OF(all); i++) {
         size_t size = 0;

@@ -1,5 +1,6 @@
-"""The k nearest photons (cl/shared/map_search.h): the kernel run from pyopencl on a map that is built here in Python, against
-NumPy that sorts all distances."""
+"""The k nearest photons (cl/shared/map_search.h): the kernel run from pyopencl on a map that is built here in Python,
+against NumPy that sorts all distances."""
+
 from __future__ import annotations
 
 import numpy as np
@@ -9,9 +10,29 @@ from photon_code import PHOTON
 from test_parity import ROOT, build, context  # noqa: F401 - a fixture
 
 PAD, LEAF, WIDE, FACING = 16, 32, 8, 126
-NODE = np.dtype([("low", "f4", (3, WIDE)), ("high", "f4", (3, WIDE)), ("first", "u4", WIDE), ("count", "u4", WIDE),
-                 ("facing_low", "i1", (WIDE, 3)), ("facing_high", "i1", (WIDE, 3)), ("padding", "u1", 16)])
-NUMBERS = np.dtype([("scale", "f8"), ("count", "u8"), ("unit", "f4"), ("extent", "f4"), ("top", "u4"), ("depth", "i4"), ("unsplit", "i4"), ("bins", "u4")])
+NODE = np.dtype(
+    [
+        ("low", "f4", (3, WIDE)),
+        ("high", "f4", (3, WIDE)),
+        ("first", "u4", WIDE),
+        ("count", "u4", WIDE),
+        ("facing_low", "i1", (WIDE, 3)),
+        ("facing_high", "i1", (WIDE, 3)),
+        ("padding", "u1", 16),
+    ]
+)
+NUMBERS = np.dtype(
+    [
+        ("scale", "f8"),
+        ("count", "u8"),
+        ("unit", "f4"),
+        ("extent", "f4"),
+        ("top", "u4"),
+        ("depth", "i4"),
+        ("unsplit", "i4"),
+        ("bins", "u4"),
+    ]
+)
 ALL, SCALE = 65535, 1e-3
 AXES = np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]], float)
 
@@ -51,7 +72,7 @@ class Map:
         records = records[self.order]
         halves, at = [], 0
         for row, i in enumerate(self.order):
-            values = spectra[i] if self.bin[i] == ALL else spectra[i, self.bin[i]:self.bin[i] + 1]
+            values = spectra[i] if self.bin[i] == ALL else spectra[i, self.bin[i] : self.bin[i] + 1]
             records["spectrum"][row] = at
             halves.append(values), (at := at + len(values))
         self.records = records
@@ -73,7 +94,7 @@ class Map:
                 parts.append(largest)
                 break
             order = largest[np.argsort(box[:, axis], kind="stable")]
-            parts += [order[: len(order) // 2], order[len(order) // 2:]]
+            parts += [order[: len(order) // 2], order[len(order) // 2 :]]
         node, depth = np.zeros((), NODE), 1
         node["low"], node["high"] = np.inf, np.inf
         for i, part in enumerate(parts):
@@ -99,14 +120,48 @@ class Map:
         irradiance, radii, found = np.zeros((count, bins)), np.zeros(count), np.zeros(count, np.uint32)
         ids = np.zeros((count, k), np.uint32)
         queue = cl.CommandQueue(context)
-        read = lambda a: cl.Buffer(context, cl.mem_flags.READ_ONLY | cl.mem_flags.COPY_HOST_PTR, hostbuf=np.ascontiguousarray(a))  # noqa: E731
-        both = lambda a: cl.Buffer(context, cl.mem_flags.READ_WRITE | cl.mem_flags.COPY_HOST_PTR, hostbuf=a)  # noqa: E731
-        scratch = lambda n: cl.Buffer(context, cl.mem_flags.READ_WRITE, int(n))  # noqa: E731
+        flags = cl.mem_flags
+
+        def read(a):
+            return cl.Buffer(context, flags.READ_ONLY | flags.COPY_HOST_PTR, hostbuf=np.ascontiguousarray(a))
+
+        def both(a):
+            return cl.Buffer(context, flags.READ_WRITE | flags.COPY_HOST_PTR, hostbuf=a)
+
+        def scratch(n):
+            return cl.Buffer(context, flags.READ_WRITE, int(n))
+
         out = [both(a) for a in (irradiance, radii, found, ids)]
-        kernel(queue, (items,), (1,), *map(read, (self.nodes, self.points, self.records, self.halves, numbers, points.astype(np.float32), normals.astype(np.float32))),
-               *out, scratch(4 * items * (capacity + PAD)), scratch(4 * items * (capacity + PAD)), scratch(8 * items * capacity),
-               scratch(8 * items * (numbers["depth"][0] + 1)), scratch(8 * items * (bins + PAD)), np.uint64(capacity), np.float64(max_radius),
-               np.uint32(k), np.int32(k_th), np.int32(1), np.int64(count), np.int64(share))
+        kernel(
+            queue,
+            (items,),
+            (1,),
+            *map(
+                read,
+                (
+                    self.nodes,
+                    self.points,
+                    self.records,
+                    self.halves,
+                    numbers,
+                    points.astype(np.float32),
+                    normals.astype(np.float32),
+                ),
+            ),
+            *out,
+            scratch(4 * items * (capacity + PAD)),
+            scratch(4 * items * (capacity + PAD)),
+            scratch(8 * items * capacity),
+            scratch(8 * items * (numbers["depth"][0] + 1)),
+            scratch(8 * items * (bins + PAD)),
+            np.uint64(capacity),
+            np.float64(max_radius),
+            np.uint32(k),
+            np.int32(k_th),
+            np.int32(1),
+            np.int64(count),
+            np.int64(share),
+        )
         for array, buffer in zip((irradiance, radii, found, ids), out, strict=True):
             cl.enqueue_copy(queue, array, buffer)
         return irradiance, radii, [set(self.order[row[:n]]) for row, n in zip(ids, found, strict=True)]
@@ -121,7 +176,7 @@ def oracle(m, point, normal, k, max_radius):
     near = np.flatnonzero(fits)
     near = near[np.lexsort((m.bin[near], m.path[near], d2[near]))]
     enough = len(near) >= k
-    chosen = near[:k - 1] if enough else near
+    chosen = near[: k - 1] if enough else near
     r2 = float(d2[near[k - 1]]) / float(unit) ** 2 if enough else max_radius**2
     floor = 2.0**-24 * max(float(np.abs(point.astype(np.float32) * unit).max()), 2.0**-24) / float(unit)
     values = m.given.astype(np.float16).astype(float)
@@ -137,22 +192,25 @@ def oracle(m, point, normal, k, max_radius):
 def cloud(kind, count, bins, rng):
     p = rng.random((count, 3))
     normals = AXES[rng.integers(0, 6, count)]
-    if kind == "walls":     # of a cube, facing inward
+    if kind == "walls":  # of a cube, facing inward
         face = rng.integers(0, 6, count)
         p[np.arange(count), face // 2] = face % 2 == 0
         normals = -AXES[face]
-    if kind == "lattice":   # many equal distances
+    if kind == "lattice":  # many equal distances
         p = rng.integers(0, 8, (count, 3)) / 8.0
-    if kind == "point":     # more than a leaf of photons in one point
+    if kind == "point":  # more than a leaf of photons in one point
         p[: count // 2] = p[0]
     bins_of = rng.choice([ALL, *range(bins)], count) if kind == "split" else None
     return Map(p, normals, rng.uniform(0.1, 2, (count, bins)), bins_of, rng.permutation(count))
 
 
 @pytest.mark.parametrize("kind", ["volume", "walls", "lattice", "point", "split"])
-@pytest.mark.parametrize(("k", "max_radius", "room"), [(20, np.inf, None), (150, 0.2, None), (2, np.inf, None), (700, 2.0, 760), (5000, 0.5, None)])
+@pytest.mark.parametrize(
+    ("k", "max_radius", "room"),
+    [(20, np.inf, None), (150, 0.2, None), (2, np.inf, None), (700, 2.0, 760), (5000, 0.5, None)],
+)
 def test_nearest(context, program, kind, k, max_radius, room):  # noqa: F811
-    """The photons found, by number; their radius to the last bit; irradiance to rounding. A room of 760 has to cut lists."""
+    """Ids; radii to the last bit; irradiance to rounding. A room of 760 has to cut lists."""
     rng = np.random.default_rng(7)
     m = cloud(kind, 3000, 5 if kind == "split" else 19, rng)
     points, normals = rng.random((60, 3)), AXES[rng.integers(0, 6, 60)]

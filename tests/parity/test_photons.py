@@ -46,9 +46,8 @@ def test_the_same_photons(name):
     assert abs(len(device.diffuse) + len(device.caustic) - stored) <= DIVERGENT * stored
     for row, values in native.energy.items():
         np.testing.assert_allclose(device.energy[row], values, rtol=1e-9, atol=1e-9 * native.energy["emitted"].max(), err_msg=row)
-    for count in ("photons_emitted", "photon_segments", "photons_lost"):
-        assert device.stats[count] == native.stats[count], count
-    assert device.stats["photon_evaluations"] == pytest.approx(native.stats["photon_evaluations"], rel=1e-5)
+    for count in ("photons_emitted", "photon_segments", "photons_lost", "photon_evaluations"):
+        assert device.stats[count] == pytest.approx(native.stats[count], rel=DIVERGENT if differ else 0), count
 
 
 @pytest.mark.parametrize("name", ["homogeneous", "linear_squared", "bounded_three", "glass", "dispersive_air"])
@@ -59,6 +58,14 @@ def test_batches_do_not_change_photons(name, batch):
     few = 300 if batch < 10 else 3000
     native, device = trace(make(), "native", few), trace(make(), photons=few, batch=batch)
     assert [unequal(a, b) for a, b in zip(columns(native), columns(device), strict=True)] == [0, 0]
+
+
+@pytest.mark.parametrize("method", ["adams", "nystrom", "dopri5"])
+def test_steps_do_not_depend_on_what_runs_beside(method):
+    """Lanes are rays: evaluations are the same whichever rays share a packet, here by the native batches' length."""
+    scene = lit(box_room(cpm.media.LinearSquared(1.69, (0.05, -0.2, 0.02)), method=method))
+    counts = {trace(scene, "native", batch=batch).stats["photon_evaluations"] for batch in (16, 64, 2048)}
+    assert len(counts) == 1
 
 
 def test_energy_is_kept():

@@ -1,7 +1,8 @@
 """Pictures by OpenCL's kernels against the native ones: the same seed gives the same picture, to rounding.
 
-What stands behind either side is tests/analytic, tests/python and tests/kernels; here a difference means that one of two
-compilers, or of two ways of asking for hits, has gone its own way."""
+What stands behind either side is tests/analytic, tests/python and tests/kernels; here a difference means that one of
+two compilers, or of two ways of asking for hits, has gone its own way."""
+
 from __future__ import annotations
 
 import numpy as np
@@ -11,12 +12,14 @@ from support.parity_scenes import BINS, scenes
 import cpm
 
 SCENES = scenes()
-#: Relative RMSE. Pictures are equal to the last bit but where Embree's floats and the tree's doubles tell another number
-#: of a disc's 64 probes on an edge (docs/decisions/0005-edges.md): a pixel or two then differs by a few per cent.
+#: Relative RMSE. Pictures are equal to the last bit but where Embree's floats and the tree's doubles tell another
+#: number of a disc's 64 probes on an edge (docs/decisions/0005-edges.md): a pixel or two then is off by a few per cent.
 CLOSE = 1e-3
 
-pytestmark = pytest.mark.skipif(not [d for d in cpm.devices() if d.backend == "opencl" and d.usable],
-                                reason="no OpenCL device with double precision")
+pytestmark = pytest.mark.skipif(
+    not [d for d in cpm.devices() if d.backend == "opencl" and d.usable],
+    reason="no OpenCL device with double precision",
+)
 
 
 @pytest.fixture(autouse=True)
@@ -32,8 +35,17 @@ def seen(make):
 
 def draw(scene, backend="opencl", size=(24, 18), photons=6000, **options):
     """Each wavelength its own way where a medium disperses, as devices have it."""
-    return cpm.render(scene, size=size, photons=photons, nearest=30, wavelengths=BINS, seed=3, backend=backend,
-                      bundle_tolerance=0, **options)
+    return cpm.render(
+        scene,
+        size=size,
+        photons=photons,
+        nearest=30,
+        wavelengths=BINS,
+        seed=3,
+        backend=backend,
+        bundle_tolerance=0,
+        **options,
+    )
 
 
 def rmse(a, b):
@@ -48,12 +60,14 @@ def test_the_same_picture(name):
     native, device = draw(scene, "native", samples=2), draw(scene, samples=2)
     assert native.data.any()
     assert rmse(native, device) < CLOSE
-    assert np.mean(native.data != device.data) < 0.01      # most pixels are the same to the last bit
+    assert np.mean(native.data != device.data) < 0.01  # most pixels are the same to the last bit
     for count in ("eye_rays", "eye_segments", "gathers", "eye_evaluations"):
         assert device.stats[count] == native.stats[count], count
 
 
-@pytest.mark.parametrize("options", [{"edge_correction": False}, {"max_radius": 0.05}, {"samples": 9}, {"threads": 1}], ids=str)
+@pytest.mark.parametrize(
+    "options", [{"edge_correction": False}, {"max_radius": 0.05}, {"samples": 9}, {"threads": 1}], ids=str
+)
 @pytest.mark.parametrize("name", ["linear_squared", "dispersion_curved"])
 def test_the_same_settings(name, options):
     scene = seen(SCENES[name][0])
@@ -68,14 +82,20 @@ def test_any_size(size):
     """Pixels go in tiles of 16, the last ones narrower: none is left out or painted twice."""
     scene = seen(SCENES["homogeneous"][0])
     photons = cpm.trace_photons(scene, 4000, seed=1, wavelengths=BINS)
-    a, b = (cpm.render(scene, size=size, photons=photons, nearest=20, samples=3, backend=backend) for backend in ("native", "opencl"))
+    a, b = (
+        cpm.render(scene, size=size, photons=photons, nearest=20, samples=3, backend=backend)
+        for backend in ("native", "opencl")
+    )
     assert rmse(a, b) < CLOSE
 
 
 def test_photons_traced_before_serve_either_backend():
     scene = seen(SCENES["glass"][0])
     photons = cpm.trace_photons(scene, 6000, seed=3, wavelengths=BINS, backend="opencl")
-    a, b = (cpm.render(scene, size=(24, 18), photons=photons, nearest=30, backend=backend, bundle_tolerance=0) for backend in ("native", "opencl"))
+    a, b = (
+        cpm.render(scene, size=(24, 18), photons=photons, nearest=30, backend=backend, bundle_tolerance=0)
+        for backend in ("native", "opencl")
+    )
     assert rmse(a, b) < CLOSE
 
 
@@ -83,7 +103,9 @@ def test_bundles_kept_together_look_the_same():
     """The native default lets bins share a path where they part by less than a tenth of a pixel."""
     scene = seen(SCENES["dispersive_air"][0])
     a = cpm.render(scene, size=(24, 18), photons=6000, nearest=30, wavelengths=BINS, seed=3)
-    np.testing.assert_allclose(a.data.mean((0, 1)), draw(scene).data.mean((0, 1)), rtol=0.05)   # other photons, same light
+    np.testing.assert_allclose(
+        a.data.mean((0, 1)), draw(scene).data.mean((0, 1)), rtol=0.05
+    )  # other photons, same light
 
 
 def test_the_comparison_can_fail():
@@ -105,7 +127,9 @@ def test_irradiance_has_the_native_bits(name, nearest):
         native = map_.irradiance(points, normals, nearest)
         np.testing.assert_array_equal(native, map_.irradiance(points, normals, nearest, backend="opencl"))
         native = map_.irradiance(points, normals, nearest, max_radius=0.1)
-        np.testing.assert_array_equal(native, map_.irradiance(points, normals, nearest, max_radius=0.1, backend="opencl"))
+        np.testing.assert_array_equal(
+            native, map_.irradiance(points, normals, nearest, max_radius=0.1, backend="opencl")
+        )
 
 
 def test_irradiance_nowhere():
@@ -116,17 +140,17 @@ def test_irradiance_nowhere():
 
 
 def test_a_picture_is_cancelled():
-    class Enough(Exception):
+    class EnoughError(Exception):
         pass
 
     def report(stage, fraction):
         if stage == "gather" and fraction > 0:
-            raise Enough
+            raise EnoughError
 
     scene = seen(SCENES["linear_squared"][0])
-    with pytest.raises(Enough):
+    with pytest.raises(EnoughError):
         draw(scene, size=(400, 300), progress=report)
-    draw(scene)     # and the device serves on
+    draw(scene)  # and the device serves on
 
 
 def test_what_is_refused():

@@ -131,8 +131,7 @@ static cl_int follow_slice(const cpm_opencl_follow_plan *plan, const cpm_flight 
     if (code == CL_SUCCESS) code = other;
     buffers[2] = cpm_opencl_buffer(o, CL_MEM_READ_ONLY, items * sizeof *counts, counts, &other);
     if (code == CL_SUCCESS) code = other;
-    if (code == CL_SUCCESS)
-        code = cpm_opencl_follow(plan, buffers[0], buffers[1], buffers[2], items, (cl_int)share);
+    if (code == CL_SUCCESS) code = cpm_opencl_follow(plan, buffers[0], buffers[1], buffers[2], items, (cl_int)share);
     if (code == CL_SUCCESS)
         code = o->cl->EnqueueReadBuffer(o->queue, buffers[1], CL_TRUE, 0, count * sizeof *arrivals, arrivals, 0, NULL,
                                         NULL);

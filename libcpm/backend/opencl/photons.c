@@ -15,6 +15,9 @@
 #include "follow.h"
 #include "photons_buffers.h"
 
+#define MOMENT 0.1    /* seconds that the waves between two looks may take */
+#define LEAST_FRESH 8 /* flights of an item: a packet */
+
 typedef struct cpm_stored {
     cl_int photons;
 } cpm_stored;
@@ -36,6 +39,7 @@ typedef struct photon_pass {
     cpm_store *stores;
     cpm_store_part parts[CPM_POPULATIONS];
     cpm_stored *stored; /* by each item, between the last two looks */
+    int waves;          /* until the next one: as many as take a moment */
 } photon_pass;
 
 /* ------------------------------------------------------------------------------------------------ one wave */
@@ -55,7 +59,8 @@ static cl_int give(const cpm_opencl *o, cl_kernel kernel, cl_uint *next, const a
 #define GIVE(kernel, next, ...)                                                                                        \
     give(p->opencl, kernel, next, (const argument[]){__VA_ARGS__},                                                     \
          sizeof((const argument[]){__VA_ARGS__}) / sizeof(argument))
-#define OF(value) {sizeof(value), &(value)}
+#define OF(value)                                                                                                      \
+    { sizeof(value), &(value) }
 
 static cl_int give_next(const photon_pass *p, cl_kernel kernel, cl_uint *next) {
     const cpm_photon_buffers *b = &p->buffers;
@@ -67,9 +72,8 @@ static cl_int give_next(const photon_pass *p, cl_kernel kernel, cl_uint *next) {
 static cl_int give_now(const photon_pass *p, cl_kernel kernel, cl_uint *next) {
     const cpm_photon_buffers *b = &p->buffers;
     const cpm_photon_side *side = &b->side[b->now];
-    return GIVE(kernel, next, OF(side->flights), OF(side->walkers), OF(side->powers), OF(side->counts),
-                OF(b->arrivals), OF(b->reflectance), OF(b->shares), OF(b->largest), OF(b->one), OF(b->multiply),
-                OF(b->add));
+    return GIVE(kernel, next, OF(side->flights), OF(side->walkers), OF(side->powers), OF(side->counts), OF(b->arrivals),
+                OF(b->reflectance), OF(b->shares), OF(b->largest), OF(b->one), OF(b->multiply), OF(b->add));
 }
 
 static cl_int meet(const photon_pass *p, int stage) {
@@ -81,8 +85,8 @@ static cl_int meet(const photon_pass *p, int stage) {
     if (code == CL_SUCCESS) code = give_next(p, kernel, &next);
     if (code == CL_SUCCESS) code = give_now(p, kernel, &next);
     if (code == CL_SUCCESS)
-        code = GIVE(kernel, &next, OF(b->photons[stage]), OF(b->spectra[stage]), OF(p->sizes.stage), OF(p->sizes.halves), OF(seed),
-                    OF(p->origin.x), OF(p->origin.y), OF(p->origin.z));
+        code = GIVE(kernel, &next, OF(b->photons[stage]), OF(b->spectra[stage]), OF(p->sizes.stage),
+                    OF(p->sizes.halves), OF(seed), OF(p->origin.x), OF(p->origin.y), OF(p->origin.z));
     if (code == CL_SUCCESS) code = cpm_opencl_run(p->opencl, kernel, p->sizes.items);
     if (code != CL_SUCCESS || !p->kernels.specular) return code;
     kernel = p->kernels.specular;
@@ -128,8 +132,8 @@ static cl_int start_paths(const photon_pass *p) {
 
 static cl_int wave(photon_pass *p, int stage) {
     const cpm_photon_side *side = &p->buffers.side[p->buffers.now];
-    cl_int code = cpm_opencl_follow(&p->plan, side->flights, p->buffers.arrivals, side->counts, p->sizes.items,
-                                    p->sizes.stride);
+    cl_int code =
+        cpm_opencl_follow(&p->plan, side->flights, p->buffers.arrivals, side->counts, p->sizes.items, p->sizes.stride);
     if (code == CL_SUCCESS) code = meet(p, stage);
     if (code == CL_SUCCESS) code = start_paths(p);
     p->buffers.now = 1 - p->buffers.now;
@@ -172,9 +176,9 @@ static cl_int see(const photon_pass *p, int stage, staged *seen) {
                                             s->items * (size_t)s->stage * sizeof *seen->photons, 0, NULL, NULL, &code);
     if (code != CL_SUCCESS) seen->photons = NULL;
     if (code == CL_SUCCESS)
-        seen->spectra = o->cl->EnqueueMapBuffer(o->queue, p->buffers.spectra[stage], CL_TRUE, CL_MAP_READ, 0,
-                                                s->items * (size_t)s->halves * sizeof *seen->spectra, 0, NULL, NULL,
-                                                &code);
+        seen->spectra =
+            o->cl->EnqueueMapBuffer(o->queue, p->buffers.spectra[stage], CL_TRUE, CL_MAP_READ, 0,
+                                    s->items * (size_t)s->halves * sizeof *seen->spectra, 0, NULL, NULL, &code);
     if (code != CL_SUCCESS) seen->spectra = NULL;
     return code;
 }
@@ -227,7 +231,7 @@ static cl_int look(photon_pass *p, uint64_t *left, uint64_t *bytes) {
 static cl_int start_waves(photon_pass *p, int stage) {
     const cpm_opencl *o = p->opencl;
     cl_int code = CL_SUCCESS;
-    for (int i = 0; i < CPM_WAVES && code == CL_SUCCESS; i++) code = wave(p, stage);
+    for (int i = 0; i < p->waves && code == CL_SUCCESS; i++) code = wave(p, stage);
     return code == CL_SUCCESS ? o->cl->Flush(o->queue) : code;
 }
 
@@ -252,17 +256,30 @@ static cpm_status collect(photon_pass *p, double *energy, cpm_stats *stats) {
 
 /* ------------------------------------------------------------------------------------------------------- the pass */
 
+/* Looks that are far apart keep the user waiting, and near ones the device: fewer waves, then fewer flights in one. */
+static void pace(photon_pass *p, double seconds) {
+    if (seconds < MOMENT && p->waves < CPM_WAVES)
+        p->waves *= 2;
+    else if (seconds > 3.0 * MOMENT && p->waves > 1)
+        p->waves /= 2;
+    else if (seconds > 3.0 * MOMENT && p->sizes.fresh > LEAST_FRESH)
+        p->sizes.fresh /= 2;
+}
+
 /* The device goes on into the other stage while the host takes what is in one. */
 static cpm_status waves(photon_pass *p, uint64_t photons, uint64_t most) {
     cpm_context *context = p->pass->context;
     uint64_t bytes = 0, left = photons;
     int room = 1, cancelled = 0, stage = 0;
+    p->waves = 1;
     cl_int code = start_paths(p);
     p->buffers.now = 1;
     if (code == CL_SUCCESS && left) code = start_waves(p, stage);
     while (code == CL_SUCCESS && left && room && !cancelled && bytes <= most) {
         staged seen = {NULL, NULL};
+        const double start = cpm_seconds();
         code = look(p, &left, &bytes);
+        pace(p, cpm_seconds() - start);
         if (code == CL_SUCCESS) code = see(p, stage, &seen);
         if (code == CL_SUCCESS && left) /* what they have stored counts from 0 again */
             code = p->opencl->cl->EnqueueWriteBuffer(p->opencl->queue, p->buffers.tallies, CL_FALSE, 0,
@@ -323,8 +340,7 @@ cpm_status cpm_opencl_photons(const cpm_pass *pass, const cpm_emitter *emitters,
     if (!status) status = waves(&p, photons, most);
     if (!status) status = collect(&p, energy, stats);
     p.opencl->cl->Finish(p.opencl->queue);
-    for (int k = 0; k < CPM_POPULATIONS && !status; k++)
-        cpm_store_close(&stores[k], &p.parts[k], 1);
+    for (int k = 0; k < CPM_POPULATIONS && !status; k++) cpm_store_close(&stores[k], &p.parts[k], 1);
     cpm_photon_buffers_close(p.opencl, &p.buffers);
     cpm_opencl_follow_close(&p.plan);
     cpm_opencl_world_close(&p.world);

@@ -9,7 +9,7 @@
 #include "follow.h"
 #include "program.h"
 
-#define SHARE_CPU 512      /* flights of an item: its segments stay in a processor's second cache */
+#define SHARE_CPU 512 /* flights of an item: its segments stay in a processor's second cache */
 #define SLOTS_ELSEWHERE 65536
 #define SHARE_ELSEWHERE 16 /* where an item is a thread */
 
@@ -90,10 +90,11 @@ cpm_status cpm_photon_sizes_of(const cpm_pass *pass, uint64_t photons, int32_t b
         else if (s->items > 1)
             s->items /= 2;
         else
-            return cpm_fail(pass->context, CPM_ERROR_OUT_OF_MEMORY,
-                            "OpenCL device '%s': the scene takes %.1f MB and one path %.1f MB more, but only %.1f MB may "
-                            "be used; allow more memory, or use another device or the native backend",
-                            o->name, 1e-6 * (double)taken, 1e-6 * (double)(bytes - taken), 1e-6 * (double)most);
+            return cpm_fail(
+                pass->context, CPM_ERROR_OUT_OF_MEMORY,
+                "OpenCL device '%s': the scene takes %.1f MB and one path %.1f MB more, but only %.1f MB may "
+                "be used; allow more memory, or use another device or the native backend",
+                o->name, 1e-6 * (double)taken, 1e-6 * (double)(bytes - taken), 1e-6 * (double)most);
     }
 }
 
@@ -157,8 +158,7 @@ cpm_status cpm_photon_buffers_open(const cpm_pass *pass, const cpm_emitter *emit
         b->side[k].walkers = made(&m, slots, sizeof(cpm_walker), NULL);
         b->side[k].powers = made(&m, slots * pass->bins, sizeof(float), NULL);
         if (m.code == CL_SUCCESS) /* written to, and zero at first */
-            b->side[k].counts =
-                cpm_opencl_buffer(m.opencl, CL_MEM_READ_WRITE, s->items * sizeof *none, none, &m.code);
+            b->side[k].counts = cpm_opencl_buffer(m.opencl, CL_MEM_READ_WRITE, s->items * sizeof *none, none, &m.code);
     }
     if (fine) {
         b->arrivals = made(&m, slots, sizeof(cpm_arrival), NULL);
@@ -167,8 +167,7 @@ cpm_status cpm_photon_buffers_open(const cpm_pass *pass, const cpm_emitter *emit
             b->spectra[k] = made(&m, s->items * (size_t)s->halves, sizeof(uint16_t), NULL);
         }
         if (m.code == CL_SUCCESS)
-            b->tallies =
-                cpm_opencl_buffer(m.opencl, CL_MEM_READ_WRITE, s->items * sizeof *tallies, tallies, &m.code);
+            b->tallies = cpm_opencl_buffer(m.opencl, CL_MEM_READ_WRITE, s->items * sizeof *tallies, tallies, &m.code);
         if (m.code == CL_SUCCESS)
             b->energies =
                 cpm_opencl_buffer(m.opencl, CL_MEM_READ_WRITE, s->items * row * sizeof *zeros, zeros, &m.code);
@@ -182,11 +181,26 @@ cpm_status cpm_photon_buffers_open(const cpm_pass *pass, const cpm_emitter *emit
 }
 
 void cpm_photon_buffers_close(const cpm_opencl *o, cpm_photon_buffers *b) {
-    const cl_mem own[] = {b->side[0].flights, b->side[0].walkers, b->side[0].powers, b->side[0].counts,
-                          b->side[1].flights, b->side[1].walkers, b->side[1].powers, b->side[1].counts,
-                          b->arrivals,        b->tallies,         b->energies,       b->photons[0],
-                          b->photons[1],      b->spectra[0],      b->spectra[1],     b->reflectance,
-                          b->shares,          b->largest,         b->one,            b->multiply,
+    const cl_mem own[] = {b->side[0].flights,
+                          b->side[0].walkers,
+                          b->side[0].powers,
+                          b->side[0].counts,
+                          b->side[1].flights,
+                          b->side[1].walkers,
+                          b->side[1].powers,
+                          b->side[1].counts,
+                          b->arrivals,
+                          b->tallies,
+                          b->energies,
+                          b->photons[0],
+                          b->photons[1],
+                          b->spectra[0],
+                          b->spectra[1],
+                          b->reflectance,
+                          b->shares,
+                          b->largest,
+                          b->one,
+                          b->multiply,
                           b->add};
     for (size_t i = 0; i < sizeof own / sizeof *own; i++)
         if (own[i]) o->cl->ReleaseMemObject(own[i]);

@@ -6,18 +6,18 @@
 #include "photon/photons.h"
 
 #ifdef CPM_OPENCL_HEADERS_VERSION
-#define CPM_WAVES 4 /* between two looks of the host */
+#define CPM_WAVES 4 /* between two looks of the host, at most; a power of 2 */
 
 typedef struct cpm_photon_kernels { /* NULL: the scene needs none */
     cl_kernel start_delta, start_area, meet, specular;
 } cpm_photon_kernels;
 
 typedef struct cpm_photon_sizes {
-    size_t items;   /* work-items */
-    cl_int fresh;   /* flights of an item up to which it starts paths */
-    cl_int stride;  /* places of an item: where bundles part, each may become as many as there are bins */
-    cl_int stage;   /* photons that an item may store between two looks */
-    cl_int halves;  /* and their powers */
+    size_t items;  /* work-items */
+    cl_int fresh;  /* flights of an item up to which it starts paths */
+    cl_int stride; /* places of an item: where bundles part, each may become as many as there are bins */
+    cl_int stage;  /* photons that an item may store between two looks */
+    cl_int halves; /* and their powers */
     cl_int bins;
 } cpm_photon_sizes;
 
