@@ -58,18 +58,20 @@ CPM_INLINE double cpm_landing(const cpm_piece *piece, const cpm_ray_goal *plane,
     return piece->length1 + margin >= length ? cpm_piece_theta(piece, length) : CPM_NO_ROOT;
 }
 
-/* Does grad n jump between the current point of lane i and a little beyond it, `sigma` ahead? A curve ends there. */
+/* Does grad n jump between the current point of lane i and a little beyond it, `sigma` ahead? A curve ends there, but for a
+ * tenth of the distance that turns a ray by rtol. */
 CPM_APART int cpm_kink_before(const cpm_step_control *c, const cpm_medium_data *m, CPM_GLOBAL const double *table,
                               const cpm_lane_rays *rays, int i, double sigma) {
     const int part = i / CPM_WIDTH;
+    const double spare = CPM_IS_KIND(m, CPM_MEDIUM_SUM) ? 0.0 : 100.0 * (double)cpm_hair(m, c->rtol) / rays->n[i];
     double ahead[CPM_LANES];
     mask near = splat_mask(0);
     cpm_point a;
-    if (rays->at_kink[i]) return 1;
+    if (rays->at_kink[i]) return sigma > spare;
     a.r = load3_doubles(rays->r, part), a.p = load3_doubles(rays->p, part), a.g = load3_doubles(rays->g, part);
     a.n = load_doubles(rays->n, part), a.scale = load_doubles(rays->scale, part);
     store_doubles(cpm_next_kink(m, table, c->rtol, &a, &near), ahead, part);
-    return ahead[i] <= sigma;
+    return sigma - ahead[i] > spare;
 }
 
 /* Sigma to the plane along the parabola of the current point; infinite: it is not met. */

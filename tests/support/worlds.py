@@ -258,9 +258,8 @@ def grid(draw, centre, _axis):
 _OF = {"centre": (fisheye, point, blob, shells, luneburg, eaton),
        "layers": (linear_squared, linear, layered, wall, steps),
        "axis": (parabolic, line)}
-# Not centres and lines without bound: see test_sum_with_a_centre in tests/extreme/test_properties.py.
-_SUMMABLE = {"centre": (fisheye, blob, shells), "layers": (linear_squared, linear, layered, wall),
-             "axis": (parabolic,)}
+_SUMMABLE = {"centre": (fisheye, point, blob, shells), "layers": (linear_squared, linear, layered, wall),
+             "axis": (parabolic, line)}
 _ANY = (*_OF["centre"], *_OF["layers"], *_OF["axis"], grid)
 _ANY_SUMMABLE = (*_SUMMABLE["centre"], *_SUMMABLE["layers"], *_SUMMABLE["axis"], grid)
 
