@@ -79,7 +79,8 @@
 CPM_INLINE void cpm_step_control_set(cpm_step_control *c) {
     const double quarter = cpm_sqrt(cpm_sqrt(c->rtol)), eighth = cpm_sqrt(quarter);
     c->order = c->method == CPM_STEP_NYSTROM ? (c->rtol > CPM_RKN8_FROM ? 6 : 8) : 0;
-    c->high = c->order == 8 && c->rtol < CPM_RKN12_FROM && !c->dense && !CPM_SINGLE && !(c->step > 0.0);
+    c->high = 0;
+    if (!CPM_SINGLE) c->high = c->order == 8 && c->rtol < CPM_RKN12_FROM && !c->dense && !(c->step > 0.0);
     c->cost = 6.0, c->exponent = 0.25, c->lenient = 0.2 / eighth, c->first = 8.0 * quarter; /* dopri5 */
     if (c->method == CPM_STEP_EULER) c->cost = 2.0, c->exponent = 1.0, c->lenient = 1.0, c->first = 3.0 * c->rtol;
     if (c->method == CPM_STEP_RK4) c->cost = 4.0;
@@ -384,21 +385,24 @@ CPM_INLINE cpm_verdict cpm_judge(const cpm_step_control *c, const cpm_medium_dat
     const int layers = CPM_IS_KIND(m, CPM_MEDIUM_LAYERED) || CPM_IS_KIND(m, CPM_MEDIUM_SHELLS);
     slant = exp2_rough(smaller(larger(R(0.5) * slant, splat(layers ? -8.0 : -5.0)), zero));
     const double rtol = fmax(c->rtol, CPM_LEAST_RTOL);
+    /* what rounding of n makes arc length and direction unsure of; bounded, or a step could leap over a place where n =
+     * 0 */
+    const real round_off = smaller(R(0.1) * noise, splat(CPM_SINGLE ? 1e-3 : 1e-6));
     real lenient = c->method == CPM_STEP_NYSTROM ? cpm_nystrom_lenient(c, m, a, t) : a->lenient;
     if (cpm_is_singular(m))
         lenient = smaller(lenient, one); /* high orders are far from their asymptotes near a centre */
-    real may_off = (lenient * R(rtol) + R(0.1) * noise) * t->way, may_grow = R(c->grow * rtol) * slant + noise;
+    real may_off = (lenient * R(rtol) + round_off) * t->way, may_grow = R(c->grow * rtol) * slant + noise;
     if (c->atol > 0.0) {
         real expected = load_doubles(rays->expected, part);
         real share = pick(less(zero, expected), smaller(t->way / larger(expected, splat(1e-30)), one), splat(0.1));
         may_off += lenient * R(c->atol) * share;
     }
     real ratio = larger(v.off * may_grow, v.growth * may_off) / (may_off * may_grow);
-    ratio = larger(ratio, v.turn / (lenient * R(rtol) + R(0.1) * noise));
+    ratio = larger(ratio, v.turn / (lenient * R(rtol) + round_off));
     /* a change of n that no force of the step accounts for: a layer was leapt over that may turn by sqrt(2 dn) */
     real unseen = v.growth - noise - (R(2.0) * magnitude(along) + dot3(push, push)) * per_square;
     if (cpm_has_kinks(m, c->rtol)) unseen -= R(0.004 * rtol); /* what n changes by in a hair before a kink and beyond */
-    ratio = larger(ratio, root(R(2.0) * larger(unseen, zero)) * R(0.5 / rtol));
+    if (!cpm_is_singular(m)) ratio = larger(ratio, root(R(2.0) * larger(unseen, zero)) * R(0.5 / rtol));
     if (c->dense) ratio = larger(ratio, R(1.0 / 64) * t->dense * lenient / may_off);
     v.usable = t->good & (less(zero, t->way) | v.turned) & less(v.far, splat(CPM_FAR)) & at_most(ratio, splat(1e12));
     v.worth = c->step > 0.0 ? ~splat_mask(0) : at_most(ratio, one);
