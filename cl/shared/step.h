@@ -296,8 +296,8 @@ CPM_INLINE cpm_attempt cpm_prepare(const cpm_step_control *c, const cpm_medium_d
     const real inverse_n = R(1.0) / a.at.n, length = load_doubles(rays->length, part);
     const real remaining = load_doubles(rays->target, part) - length;
     real bound = cpm_aim(&a.at, inverse_n, remaining);
-    if (any_lane(going & less(bound, R(2.0) * a.own)))
-        bound = pick(load_flags(rays->at_kink, part), bound, cpm_aim_on(rays, part, &a.at, remaining, bound));
+    const mask aims = going & less(bound, R(2.0) * a.own) & ~load_flags(rays->at_kink, part); /* lane by lane */
+    if (any_lane(aims)) bound = pick(aims, cpm_aim_on(rays, part, &a.at, remaining, bound), bound);
     bound = smaller(smaller(load_doubles(rays->limit, part), R(c->max_step) * inverse_n), bound);
     if (cpm_is_singular(m) && !(c->step > 0.0))
         bound = smaller(cpm_singular_distance(m, table, a.at.r) * inverse_n, bound);
