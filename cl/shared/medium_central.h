@@ -50,4 +50,17 @@ CPM_INLINE real3 cpm_field_eaton(const cpm_medium_data *m, real3 r, real scale, 
     *n = root(R(1.0) + R(2.0) * scale * pick(inside, per - R(1.0), zero));
     return scale3(pick(inside, scale * R(-1.0 / m->high) * (per * per * per), zero), u);
 }
+
+/* The field inside Luneburg's or Eaton's lens, continued beyond its sphere. */
+CPM_INLINE real3 cpm_field_lens_within(const cpm_medium_data *m, real3 r, real scale, real *n) {
+    const real3 u = cpm_from_center(m, r);
+    const real uu = larger(dot3(u, u), splat(CPM_LEAST_U2)), one = splat(1.0);
+    if (m->kind == CPM_MEDIUM_LUNEBURG) {
+        *n = root(one + scale * (one - uu));
+        return scale3(scale * R(-1.0 / m->high), u);
+    }
+    const real per = one / root(uu);
+    *n = root(one + R(2.0) * scale * (per - one));
+    return scale3(scale * R(-1.0 / m->high) * (per * per * per), u);
+}
 #endif

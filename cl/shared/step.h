@@ -3,8 +3,8 @@
  * Acceptance (adaptive methods). Position error per unit length: the embedded error of a step of length d is at most
  * L (rtol d + atol d/expected), so that errors add up to rtol x length + atol; direction error of a step at most L
  * rtol. Never relative to |r|. L: dopri5 keeps the fifth-order result while the estimate is the fourth's, larger by a
- * factor that grows as rtol^(-1/8) (measured on smooth fields, 1e-3 to 1e-12); L = 0.56 rtol^(-1/8) takes that back.
- * euler: 1.
+ * factor that grows as rtol^(-1/8) (measured on smooth fields, 1e-3 to 1e-12); L = 0.2 rtol^(-1/8), at least 1, takes a
+ * part of that back. euler: 1.
  *
  * Where the field has kinks or thin layers both estimates are blind, but (|p|^2 - n^2)/(2 n^2), whose change in a step
  * is a true error of momentum along p, is not. (Not the growth of | |p| - n |/n: where n falls, that grows by itself.)
@@ -79,8 +79,9 @@
 CPM_INLINE void cpm_step_control_set(cpm_step_control *c) {
     const double quarter = cpm_sqrt(cpm_sqrt(c->rtol)), eighth = cpm_sqrt(quarter);
     c->order = c->method == CPM_STEP_NYSTROM ? (c->rtol > CPM_RKN8_FROM ? 6 : 8) : 0;
-    c->high = c->order == 8 && c->rtol < CPM_RKN12_FROM && !c->dense && !CPM_SINGLE && !(c->step > 0.0);
-    c->cost = 6.0, c->exponent = 0.25, c->lenient = 0.56 / eighth, c->first = 8.0 * quarter; /* dopri5 */
+    c->high = 0;
+    if (!CPM_SINGLE) c->high = c->order == 8 && c->rtol < CPM_RKN12_FROM && !c->dense && !(c->step > 0.0);
+    c->cost = 6.0, c->exponent = 0.25, c->lenient = 0.2 / eighth, c->first = 8.0 * quarter; /* dopri5 */
     if (c->method == CPM_STEP_EULER) c->cost = 2.0, c->exponent = 1.0, c->lenient = 1.0, c->first = 3.0 * c->rtol;
     if (c->method == CPM_STEP_RK4) c->cost = 4.0;
     if (c->method == CPM_STEP_LEAPFROG) c->cost = 1.0;
@@ -295,8 +296,8 @@ CPM_INLINE cpm_attempt cpm_prepare(const cpm_step_control *c, const cpm_medium_d
     const real inverse_n = R(1.0) / a.at.n, length = load_doubles(rays->length, part);
     const real remaining = load_doubles(rays->target, part) - length;
     real bound = cpm_aim(&a.at, inverse_n, remaining);
-    if (any_lane(going & less(bound, R(2.0) * a.own)))
-        bound = pick(load_flags(rays->at_kink, part), bound, cpm_aim_on(rays, part, &a.at, remaining, bound));
+    const mask aims = going & less(bound, R(2.0) * a.own) & ~load_flags(rays->at_kink, part); /* lane by lane */
+    if (any_lane(aims)) bound = pick(aims, cpm_aim_on(rays, part, &a.at, remaining, bound), bound);
     bound = smaller(smaller(load_doubles(rays->limit, part), R(c->max_step) * inverse_n), bound);
     if (cpm_is_singular(m) && !(c->step > 0.0))
         bound = smaller(cpm_singular_distance(m, table, a.at.r) * inverse_n, bound);
@@ -342,7 +343,6 @@ typedef struct {
  * add up at random. Near a centre high orders are far from their asymptotes: the estimate is taken at its word. */
 CPM_INLINE real cpm_nystrom_lenient(const cpm_step_control *c, const cpm_medium_data *m, const cpm_attempt *a,
                                     const cpm_trial *t) {
-    if (cpm_is_singular(m)) return splat(1.0);
     if (c->order != 8) return a->lenient;
     const int table = cpm_is_table(m);
     real rough = a->h * root(t->error_momentum2) / (t->curve + R(1e-30));
@@ -381,17 +381,28 @@ CPM_INLINE cpm_verdict cpm_judge(const cpm_step_control *c, const cpm_medium_dat
     noise += cpm_kink_noise(m, table, c->rtol, t->end.r);
     real along = dot3(push, p); /* no push at all: a = 90 degrees, the strictest */
     real slant = log2_rough(along * along) - log2_rough(dot3(push, push) * size + R(1e-30));
-    slant = exp2_rough(smaller(larger(R(0.5) * slant, splat(-5.0)), zero)); /* cos a, 0.03 to 1 */
+    /* cos a, 0.03 to 1; of layers, where the force has one direction and no error another, as it is */
+    const int layers = CPM_IS_KIND(m, CPM_MEDIUM_LAYERED) || CPM_IS_KIND(m, CPM_MEDIUM_SHELLS);
+    slant = exp2_rough(smaller(larger(R(0.5) * slant, splat(layers ? -8.0 : -5.0)), zero));
     const double rtol = fmax(c->rtol, CPM_LEAST_RTOL);
-    const real lenient = c->method == CPM_STEP_NYSTROM ? cpm_nystrom_lenient(c, m, a, t) : a->lenient;
-    real may_off = (lenient * R(rtol) + R(0.1) * noise) * t->way, may_grow = R(c->grow * rtol) * slant + noise;
+    /* what rounding of n makes arc length and direction unsure of; bounded, or a step could leap over a place where n =
+     * 0 */
+    const real round_off = smaller(R(0.1) * noise, splat(CPM_SINGLE ? 1e-3 : 1e-6));
+    real lenient = c->method == CPM_STEP_NYSTROM ? cpm_nystrom_lenient(c, m, a, t) : a->lenient;
+    if (cpm_is_singular(m))
+        lenient = smaller(lenient, one); /* high orders are far from their asymptotes near a centre */
+    real may_off = (lenient * R(rtol) + round_off) * t->way, may_grow = R(c->grow * rtol) * slant + noise;
     if (c->atol > 0.0) {
         real expected = load_doubles(rays->expected, part);
         real share = pick(less(zero, expected), smaller(t->way / larger(expected, splat(1e-30)), one), splat(0.1));
         may_off += lenient * R(c->atol) * share;
     }
     real ratio = larger(v.off * may_grow, v.growth * may_off) / (may_off * may_grow);
-    ratio = larger(ratio, v.turn / (lenient * R(rtol) + R(0.1) * noise));
+    ratio = larger(ratio, v.turn / (lenient * R(rtol) + round_off));
+    /* a change of n that no force of the step accounts for: a layer was leapt over that may turn by sqrt(2 dn) */
+    real unseen = v.growth - noise - (R(2.0) * magnitude(along) + dot3(push, push)) * per_square;
+    if (cpm_has_kinks(m, c->rtol)) unseen -= R(0.004 * rtol); /* what n changes by in a hair before a kink and beyond */
+    if (!cpm_is_singular(m)) ratio = larger(ratio, root(R(2.0) * larger(unseen, zero)) * R(0.5 / rtol));
     if (c->dense) ratio = larger(ratio, R(1.0 / 64) * t->dense * lenient / may_off);
     v.usable = t->good & (less(zero, t->way) | v.turned) & less(v.far, splat(CPM_FAR)) & at_most(ratio, splat(1e12));
     v.worth = c->step > 0.0 ? ~splat_mask(0) : at_most(ratio, one);

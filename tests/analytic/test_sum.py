@@ -134,3 +134,16 @@ def test_in_a_scene():
     scene.add_mesh([(-5, -5, 3), (5, -5, 3), (0, 5, 3)], [(0, 1, 2)], material=cpm.materials.Black())
     blue, red = (cpm.trace(scene, (0, 0.5, -3), (0, 0, 1), wavelength=w).position[0] for w in (420.0, 680.0))
     assert blue[1] < red[1] - 1e-3
+
+
+@pytest.mark.parametrize("other", [cpm.media.Homogeneous(1.0), cpm.media.Linear(1.0, gradient=(0, 1e-12, 0))])
+def test_a_centre_within_a_sum_is_a_centre(other):
+    """1 + m/r² captures what comes below the impact 2√m and lets go what comes above it, in a sum as alone."""
+    centre = cpm.media.Sources([(0, 0, 0)], 1.0, 2)
+    far = 50.0
+    for impact, status in ((1.9, cpm.RayStatus.CAPTURED), (2.1, cpm.RayStatus.ARRIVED)):
+        sine = impact / ((1 + 1 / far**2) * far)
+        for medium in (centre, centre + other):
+            found = cpm.trace(medium, (-far, 0, 0), (np.sqrt(1 - sine**2), sine, 0), wavelength=550.0, length=100.0, rtol=1e-8)
+            assert found.status[0] == status
+            assert found.evaluations[0] < 5000

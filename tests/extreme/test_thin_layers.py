@@ -132,6 +132,28 @@ def test_hot_road(precision):
     assert np.linalg.norm(found.direction[0] - expected.direction) <= RTOL[precision]
 
 
+@pytest.mark.parametrize("rtol", [1e-2, 1e-3, 1e-4])
+@pytest.mark.parametrize("kind", ["formula", "table"])
+@pytest.mark.parametrize(("height", "slope", "length"), [(1.0, -0.004, 500.0), (1.5, -0.006, 400.0)])
+def test_no_long_step_passes_over_a_hot_road(height, slope, length, kind, rtol):
+    """5 cm of hot air under hundreds of metres of path that nothing bends: a first step over all of it sees n change without
+    a force that would account for it. The end as DOP853 has it, within rtol, at tolerances that one step would meet."""
+    n, drop, d = 2.77e-4, 0.1, 0.05
+    field = fields.OfHeight(
+        lambda h: (1 + n * (1 - drop * np.exp(-h / d)), n * drop / d * np.exp(-h / d)), max_step=0.5
+    )
+    expected = oracle.trace(field, (0, height, 0), (1, slope, 0), length=length)
+    if kind == "formula":
+        medium = cpm.media.Expression("1 + N*(1 - e*exp(-y/d))", N=n, e=drop, d=d)
+    else:
+        heights = np.concatenate([np.linspace(0, 0.5, 201), np.linspace(0.51, 4, 60)])
+        medium = cpm.media.Layered(heights, 1 + n * (1 - drop * np.exp(-heights / d)), interpolation="cubic")
+    found = cpm.trace(medium, (0, height, 0), (1, slope, 0), wavelength=550.0, length=length, rtol=rtol)
+    assert found.status[0] == ARRIVED and found.evaluations[0] <= 300
+    assert expected.direction[1] > 0.003
+    assert np.linalg.norm(found.position[0] - expected.position) <= rtol * length
+
+
 TURNS = [(method, degrees, precision) for method in ("nystrom", "dopri5", "adams") for degrees in (1e-3, 1e-2, 0.1, 1.0)
          for precision in RTOL]  # fmt: skip
 
