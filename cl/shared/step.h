@@ -229,7 +229,9 @@ CPM_INLINE real cpm_least_momentum(real3 p, real3 q, real *where) {
  * log2 of this step over that one. Where steps become harder, what they became harder by is expected of the next too.
  */
 CPM_INLINE real cpm_step_factor(real exponent, real ratio, real before, real longer, mask accepted, mask again) {
-    before = pick(less(before, splat(0.5 * CPM_UNKNOWN)), before, ratio);
+    const mask known = less(before, splat(0.5 * CPM_UNKNOWN)); /* else `longer` is of another ray or pair */
+    before = pick(known, before, ratio);
+    longer = pick(known, longer, splat(0.0));
     real shrink = -exponent * ratio - R(0.152); /* 0.9 = 2^-0.152 */
     real keep = exponent * (R(0.25) * before - R(0.75) * ratio) - R(0.152);
     keep = smaller(keep, longer + exponent * (before - R(2.0) * ratio) - R(0.152));
