@@ -3,6 +3,7 @@
 #include "kernels/paths.h"
 #include "kernels/world.h"
 #include "shared/path_specular.h"
+#if CPM_WIDTH == 1 && !CPM_SINGLE /* what it calls is of single rays in double */
 
 __kernel void cpm_specular(CPM_WORLD_PARAMETERS, CPM_NEXT_PARAMETERS, CPM_NOW_PARAMETERS,
                            __global const float *reflectance, __global const float *shares,
@@ -25,3 +26,4 @@ __kernel void cpm_specular(CPM_WORLD_PARAMETERS, CPM_NEXT_PARAMETERS, CPM_NOW_PA
     next_counts[item] = to.count;
     tallies[item] = tally;
 }
+#endif

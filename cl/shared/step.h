@@ -347,7 +347,9 @@ CPM_INLINE real cpm_nystrom_lenient(const cpm_step_control *c, const cpm_medium_
                                     const cpm_trial *t) {
     if (c->order != 8) return a->lenient;
     const int table = cpm_is_table(m);
-    real rough = a->h * root(t->error_momentum2) / (t->curve + R(1e-30));
+    /* below a thousandth of the tolerance nothing is rough (and floats too small may be 0 on one side, not the other)
+     */
+    real rough = a->h * root(t->error_momentum2) / (t->curve + R(1e-3 * fmax(c->rtol, CPM_LEAST_RTOL)) * t->way);
     rough = rough * pick(a->high, splat(CPM_RKN12_ROUGH), R(table ? CPM_RKN8_ROUGH_TABLE : CPM_RKN8_ROUGH) * rough);
     return a->lenient / larger(splat(1.0), a->lenient * smaller(rough, splat(table ? CPM_RKN_STRICT : 1.0)));
 }
