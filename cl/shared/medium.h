@@ -13,8 +13,8 @@ CPM_ALWAYS_INLINE real3 cpm_field(const cpm_medium_data *m, CPM_GLOBAL const dou
 
 /* n grows without bound at some place: rays may end there, captured. A sum's size[1] says it of its terms. */
 CPM_INLINE int cpm_is_singular(const cpm_medium_data *m) {
-    if (CPM_IS_KIND(m, CPM_MEDIUM_SUM)) return m->size[1];
-    return CPM_IS_KIND(m, CPM_MEDIUM_EATON) || CPM_IS_KIND(m, CPM_MEDIUM_SOURCES);
+    return CPM_IS_KIND(m, CPM_MEDIUM_EATON) | CPM_IS_KIND(m, CPM_MEDIUM_SOURCES) |
+           (CPM_IS_KIND(m, CPM_MEDIUM_SUM) && m->size[1]);
 }
 CPM_INLINE real cpm_singular_distance_of(const cpm_medium_data *m, CPM_GLOBAL const double *table, real3 r) {
     if (CPM_IS_KIND(m, CPM_MEDIUM_SOURCES)) return cpm_nearest_source(m, table, r);
@@ -38,7 +38,7 @@ CPM_INLINE real cpm_singular_distance(const cpm_medium_data *m, CPM_GLOBAL const
 /* A table of samples: between them n is a polynomial, at each a higher derivative jumps. A sum's size[2] says it of its
  * terms. */
 CPM_INLINE int cpm_is_table(const cpm_medium_data *m) {
-    if (CPM_IS_KIND(m, CPM_MEDIUM_SUM)) return m->size[2];
-    return CPM_IS_KIND(m, CPM_MEDIUM_LAYERED) || CPM_IS_KIND(m, CPM_MEDIUM_SHELLS) || CPM_IS_KIND(m, CPM_MEDIUM_GRID);
+    return CPM_IS_KIND(m, CPM_MEDIUM_LAYERED) | CPM_IS_KIND(m, CPM_MEDIUM_SHELLS) | CPM_IS_KIND(m, CPM_MEDIUM_GRID) |
+           (CPM_IS_KIND(m, CPM_MEDIUM_SUM) && m->size[2]);
 }
 #endif
