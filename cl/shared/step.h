@@ -59,7 +59,7 @@
 #define CPM_RKN8_LENIENT 1.0
 #define CPM_RKN6_FIRST 4.0 /* rtol^(1/8) of the curvature's radius: the first step */
 #define CPM_RKN8_FIRST 5.0
-/* 12(10), measured on other rays too (bench/rays.py --held-out) */
+/* 12(10), measured on other rays of the same media too */
 #define CPM_RKN12_FROM 1e-6 /* rtol below which it is the cheaper on long ways */
 #define CPM_RKN8_COST 8.0
 #define CPM_RKN12_COST 17.0      /* evaluations an attempt */

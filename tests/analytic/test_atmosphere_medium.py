@@ -337,8 +337,6 @@ def test_moist_air_disperses_by_height(humidity):
     assert np.max(np.abs(off)) < (0.01 if humidity == 0.02 else 0.001)
 
 
-@pytest.mark.xfail(strict=True, reason="float lanes take rtol for 1e-6 at the least: half a metre of 500 km, and the standard "
-                                       "atmosphere bends rays less smoothly than an exponential one: 1 to 5 m off")
 @pytest.mark.parametrize("rtol", [1e-6, 1e-9])
 def test_single_keeps_up_with_double(rtol):
     """The 500 km horizon ray of the standard atmosphere in float lanes: within 0.1 m of double ones at 1e-12."""

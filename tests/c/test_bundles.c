@@ -99,7 +99,6 @@ static void every_bin_is_within_its_leeway(void **state) {
         for (int i = 0; i < FLIGHTS; i++) leeways[i] = (cpm_leeway){sizes[k], angles[k]};
         assert_true(cpm_follow_bundles(&b, &f.pass, CPM_BUNDLES_OF_PHOTONS, flights, leeways, FLIGHTS, NULL));
         size_t at = 0;
-        double evaluations = 0.0;
         for (size_t i = 0; i < FLIGHTS; i++)
             for (int32_t next = 0; next < BINS; at++) {
                 assert_true(at < b.count);
@@ -109,7 +108,6 @@ static void every_bin_is_within_its_leeway(void **state) {
                 assert_int_equal(first, next);
                 next += count;
                 assert_int_equal(p->arrival.status, CPM_RAY_HIT);
-                evaluations += p->arrival.evaluations;
                 const cpm_vec start = flights[i].position, end = p->arrival.hit.position;
                 const double room = sizes[k] + angles[k] * cpm_norm(cpm_sub(end, start));
                 for (int32_t bin = first; bin < first + count; bin++) {
